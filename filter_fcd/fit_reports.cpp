@@ -59,9 +59,9 @@ std::string describe(const FittedLayers &made) {
         line << " None of the " << made.landmarks - (report.leftOut ? report.contradicted.size() : 0)
              << " landmarks is off by more than " << report.landmarks << "; the remaining stretch at landmarks is "
              << report.pull << ".";
-    if (made.curves > 0)
-        line << " " << made.onCurves << " vertices lie along the " << made.curves
-             << (made.curves == 1 ? " curve, at most " : " curves, at most ") << made.fromCurves
+    if (const std::size_t curves = made.curves.curve.size(); curves > 0)
+        line << " " << made.curves.vertices << " vertices lie along the " << curves
+             << (curves == 1 ? " curve, at most " : " curves, at most ") << made.curves.farthest
              << " away on this layer; on the target, none is off by more than " << report.curves << ".";
     line << " " << made.seconds << " s.";
     return line.str();
@@ -89,7 +89,7 @@ HostFilterPlugin::ReturnedValues valuesOf(const FittedLayers &made) {
                    {"landmarks", int(made.landmarks)},
                    {"landmark_residual", report.landmarks},
                    {"landmark_pull", report.pull},
-                   {"curves", int(made.curves)},
+                   {"curves", int(made.curves.curve.size())},
                    {"curve_residual", report.curves},
                    {"landmarks_contradicted", int(report.contradicted.size())},
                    {"target_not_finite", int(report.notFinite)},

@@ -50,11 +50,15 @@ std::string describe(const SessionContents &contents, bool saved) {
         add("handles and motions of 'FCD: Bend'");
     if (contents.pairs > 0)
         add("pairs of 'FCD: Fit': " + std::to_string(contents.pairs));
+    if (contents.fitOptions)
+        add("options of 'FCD: Fit'");
     std::string line = (saved ? "Saved: " : "Loaded: ") + has + ".";
     if (contents.moved > 0)
         line += " The layer was at rest, and has the pose of then now.";
     if (contents.hasMatrix)
         line += " It has the matrix of then now.";
+    if (!contents.unfit.empty())
+        line += " Of 'FCD: Fit': " + contents.unfit + ".";
     return line;
 }
 
@@ -65,7 +69,9 @@ HostFilterPlugin::ReturnedValues FilterFcd::session(int id, const RichParameterL
     const QString file = sessionFile(parameters, id == SaveSession);
     const SessionContents contents = id == SaveSession ? saveSession(layer, file) : loadSession(document, layer, file);
     logLine(describe(contents, id == SaveSession));
-    return {{"marks", contents.marks},     {"colors", contents.colors},       {"rest_shape", contents.rest},
-            {"earlier", contents.earlier}, {"poses", contents.poses},         {"tool", contents.tool},
-            {"pairs", contents.pairs},     {"moved_vertices", contents.moved}};
+    return {{"marks", contents.marks},         {"colors", contents.colors},
+            {"rest_shape", contents.rest},     {"earlier", contents.earlier},
+            {"poses", contents.poses},         {"tool", contents.tool},
+            {"pairs", contents.pairs},         {"fit_options", contents.fitOptions},
+            {"moved_vertices", contents.moved}};
 }

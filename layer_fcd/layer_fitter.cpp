@@ -81,6 +81,7 @@ LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam 
     if (!param.curveFile.isEmpty() && param.landmarksOnly)
         throw Error("Curves lead onto the target, of which nothing else than landmarks counts. Leave 'curves_file' or "
                     "'landmarks_only' out.");
+    curves = param.curves;
     if (!param.curveFile.isEmpty())
         curves = vcg::fcd::ReadCurveFile(QFile::encodeName(param.curveFile).toStdString());
     surface = rest ? vcg::tri::ReadSurface(layer.cm, progress.Slice(0, 0.5), [&](std::size_t i) { return rest[i]; })
@@ -107,34 +108,6 @@ std::shared_ptr<const Fitter> LayerFit::prepare(const Progress &progress) const 
     return std::make_shared<const Fitter>(surface.View(), normal, handles, param.fit, progress, weightOf(weight));
 }
 
-void LayerFit::addCurves(const Fitter &fitter, FittedSurface &fitted) {
-    std::vector<std::vector<Eigen::Vector3d>> lines;
-    lines.reserve(curves.size());
-    for (const CurvePair &curve : curves)
-        lines.push_back(curve.source);
-    const std::vector<vcg::fcd::AlongLine> along = fitter.Along(lines);
-    for (std::size_t c = 0; c < along.size(); ++c) {
-        const std::string where = inQuotes(param.curveFile) + ", line " +
-                                  std::to_string(curves[c].sourceLine[along[c].corner]) + ": the curve " +
-                                  vcg::fcd::detail::Excerpt(curves[c].name, 0, curves[c].name.size());
-        if (along[c].isElsewhere) {
-            std::ostringstream far;
-            far << along[c].farthest;
-            throw Error(where + " is " + far.str() + " from the vertices of " + name +
-                        " there, more than a tenth of its diagonal. Give the rows with 'source' in world coordinates, "
-                        "as this layer lies, with enough corners.");
-        }
-        if (along[c].vertex.empty())
-            throw Error(where + " lies where nothing of " + name +
-                        " is free. Leave it out, or tag vertices "
-                        "along it as free.");
-        fitted.onCurves += along[c].vertex.size();
-        fitted.fromCurves = std::max(fitted.fromCurves, along[c].farthest);
-        goal.curves.push_back({along[c].vertex, curves[c].target, along[c].offset});
-    }
-    fitted.curves = curves.size();
-}
-
 FittedSurface LayerFit::solve(bool measured, const Progress &progress) && {
     FittedSurface fitted;
     vcg::fcd::DeformationResult &result = fitted.result;
@@ -155,8 +128,10 @@ FittedSurface LayerFit::solve(bool measured, const Progress &progress) && {
         if (param.leaveOneOut)
             fitted.leftOut = fitter->LeaveOneOut(landmarks, progress.Slice(first, 0.8));
     } else {
-        if (!curves.empty())
-            addCurves(*fitter, fitted);
+        if (!curves.empty()) {
+            fitted.curves = fitter->LeadAlong(curves, name);
+            goal.curves = fitted.curves.curve;
+        }
         target = fitter->Prepare(goal, progress.Slice(0.4, 0.5));
         result.pose = fitter->Solve(*target, landmarks, fitted.report, progress.Slice(0.5, first));
         if (param.leaveOneOut)

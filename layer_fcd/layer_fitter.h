@@ -2,7 +2,7 @@
 #ifndef FCD_LAYER_FITTER_H
 #define FCD_LAYER_FITTER_H
 
-#include <vcg_ext/fit/curve_file.h> // before Qt
+#include <vcg_ext/fit.h> // before Qt
 
 #include "inherited_rest.h"
 #include "layer_contents.h"
@@ -21,9 +21,7 @@ struct FittedSurface {
     vcg::fcd::FitReport report;
     double diagonal = 0;         ///< of what bends, world units
     std::size_t landmarks = 0;   ///< how many there are
-    std::size_t curves = 0;      ///< that vertices slide along
-    std::size_t onCurves = 0;    ///< how many vertices do
-    double fromCurves = 0;       ///< of the curves as they are given, from the layer's vertices at most, world units
+    vcg::fcd::CurveLead curves;  ///< that vertices slide along
     bool landmarksOnly = false;  ///< nothing else of the target counted
     std::vector<double> check;   ///< how far pairs that were kept back are off, world units
     std::vector<double> leftOut; ///< where FitMeshParam asks for it: so does each landmark without itself
@@ -53,8 +51,6 @@ class LayerFit {
     const vcg::fcd::Handles &regions() const { return handles; }
 
   private:
-    void addCurves(const vcg::fcd::Fitter &fitter, FittedSurface &fitted);
-
     const FitMeshParam param;
     std::string name, targetName; ///< of the layers, in quotation marks
     vcg::fcd::Handles handles;

@@ -36,6 +36,13 @@ const MeshModel &checkedTarget(const MeshModel &layer, const MeshModel *target, 
     return *target;
 }
 
+const MeshModel *layerNamed(const std::string &label, const MeshDocument &document, const MeshModel &layer) {
+    for (const MeshModel *each : host::layers(document))
+        if (each != &layer && each->cm.vn > 0 && each->label().toStdString() == label)
+            return each;
+    return nullptr;
+}
+
 std::string trianglesFlipped(std::size_t count) {
     return std::to_string(count) + (count == 1 ? " triangle is" : " triangles are") + " flipped";
 }

@@ -16,6 +16,9 @@ std::string inQuotes(const MeshModel &layer);
 /// \throw vcg::fcd::Error there is none, it is \p layer itself, or it has no vertices
 const MeshModel &checkedTarget(const MeshModel &layer, const MeshModel *target, const std::string &parameter);
 
+/// The first layer with that label, and vertices, besides \p layer; null where there is none.
+const MeshModel *layerNamed(const std::string &label, const MeshDocument &document, const MeshModel &layer);
+
 /// "3 triangles are flipped", as the logs of the filters begin a warning.
 std::string trianglesFlipped(std::size_t count);
 

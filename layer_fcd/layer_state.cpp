@@ -27,7 +27,7 @@ const std::string &layoutName() {
     static const std::string name = [] {
         std::string text = "fcd_layer_state";
         for (const std::size_t number :
-             {std::size_t(1), sizeof(LayerState), sizeof(RestState), sizeof(KeptScan), sizeof(vcg::fcd::PoseSequence),
+             {std::size_t(2), sizeof(LayerState), sizeof(RestState), sizeof(KeptScan), sizeof(vcg::fcd::PoseSequence),
               sizeof(Deformation), sizeof(Prepared), sizeof(vcg::fcd::Deformer), sizeof(vcg::fcd::Deformer::Pose),
               std::size_t(EIGEN_MAX_ALIGN_BYTES), std::size_t(EIGEN_WORLD_VERSION), std::size_t(EIGEN_MAJOR_VERSION),
               std::size_t(EIGEN_MINOR_VERSION)})
@@ -86,8 +86,10 @@ QString lostWithProjects(const MeshModel &layer) {
         all << "poses";
     if (toolOf(layer))
         all << "handles and motions";
-    if (state.pairs)
+    if (state.fit && !state.fit->pairs.empty())
         all << "pairs of landmarks";
+    if (state.fit && state.fit->isSet())
+        all << "options of a fit";
     return all.join(", ");
 }
 
@@ -119,6 +121,10 @@ States &madeStatesOf(const MeshDocument &document) {
             return;
         const std::shared_ptr<LayerState> state = its->second;
         states->erase(its);
+        if (state->fit && !state->fit->pairs.empty()) // no copy or merged layer knows which vertices are meant
+            host::log(const_cast<MeshDocument &>(document),
+                      "FCD: a layer is gone, and with it its " + std::to_string(state->fit->pairs.size()) +
+                          " pairs of landmarks of 'FCD: Fit': a layer that it was merged into has none.");
         try {
             handDown(document, *state);
             handDownRest(document, *state);
@@ -155,15 +161,15 @@ const std::size_t none = std::numeric_limits<std::size_t>::max();
 /// Each end of a pair goes to the vertex slotOf(its slot), or is left out.
 template <class SlotOf>
 void forPairs(LayerState &state, const SlotOf &slotOf) {
-    if (!state.pairs)
+    if (!state.fit)
         return;
-    auto pairs = std::make_shared<std::vector<FitPair>>(*state.pairs);
-    for (FitPair &each : *pairs)
+    auto fit = std::make_shared<FitToolState>(*state.fit);
+    for (FitPair &each : fit->pairs)
         if (const std::size_t slot = each.slot ? slotOf(*each.slot) : none; slot != none)
             each.slot = slot;
         else
             each.slot.reset();
-    state.pairs = std::move(pairs);
+    state.fit = std::move(fit);
 }
 
 } // namespace
@@ -214,7 +220,7 @@ LayerState &LayerState::made(const MeshDocument &document, MeshModel &layer) {
 
 bool LayerState::isEmpty() const {
     return !rest && !scan && marks.empty() && measured == 0 && appliedName.empty() && !poses && !deformation && !tool &&
-           !pairs && !result;
+           !fit && !result;
 }
 
 void LayerState::tidy(MeshModel &layer) {

@@ -4,7 +4,7 @@
 
 #include <vcg_ext/sequence/pose_sequence.h> // before Qt
 
-#include "meshlab_host.h"
+#include "parameters.h"
 
 #include <array>
 #include <cstddef>
@@ -94,6 +94,37 @@ struct FitPair {
     }
 };
 
+/// What the panel of the tool FCD: Fit sets.
+struct FitOptions {
+    static constexpr double leastStiffness = 0.01, mostStiffness = 100; ///< of the slider
+    static constexpr double mostDistance = 1e9;
+
+    double stiffness = 1;
+    vcg::fcd::FitStart start = vcg::fcd::FitStart::Similar; ///< by landmarks only where these tell a motion
+    double largestDistance = 0;                             ///< world units; 0: no limit
+    /// How much the vertices count when the layer is pulled: those of the layer, and of the target; no attributes.
+    FitMeshParam::Weights weights = FitMeshParam::AllCounts, targetWeights = FitMeshParam::AllCounts;
+
+    bool operator==(const FitOptions &other) const {
+        return stiffness == other.stiffness && start == other.start && largestDistance == other.largestDistance &&
+               weights == other.weights && targetWeights == other.targetWeights;
+    }
+};
+
+/// What the tool FCD: Fit was told of a layer.
+struct FitToolState {
+    std::vector<FitPair> pairs;
+    FitOptions options;
+    std::string target; ///< name of the layer that it is fitted to; empty: the first other one
+    std::string curves; ///< file with curves that lead it, UTF-8; empty: none
+
+    /// Besides the pairs.
+    bool isSet() const { return !target.empty() || !curves.empty() || !(options == FitOptions()); }
+    bool operator==(const FitToolState &other) const {
+        return pairs == other.pairs && options == other.options && target == other.target && curves == other.curves;
+    }
+};
+
 /// What a layer was made from, and how it was then (results.h).
 struct ResultState {
     int source = 0;             ///< number of that layer
@@ -114,8 +145,8 @@ struct LayerState {
     std::optional<vcg::fcd::PoseSequence> poses;    ///< that have names
     std::shared_ptr<const Deformation> deformation; ///< of a deformed graph
     std::shared_ptr<const ToolState> tool;          ///< null: the tool knows no more than marks and poses
-    std::shared_ptr<const std::vector<FitPair>> pairs; ///< that the tool FCD: Fit has left; null: none
-    std::optional<ResultState> result;                 ///< none: it is no result of a filter in the window
+    std::shared_ptr<const FitToolState> fit;        ///< null: the tool FCD: Fit was told nothing
+    std::optional<ResultState> result;              ///< none: it is no result of a filter in the window
 
     /// That of a layer, null where nothing is known of it.
     static LayerState *of(const CMeshO &mesh);

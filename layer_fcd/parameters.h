@@ -96,6 +96,7 @@ struct FitMeshParam {
     QString targetFile;                        ///< .pp, to be matched with the other by name; may be empty
     std::vector<vcg::fcd::Landmark> landmarks; ///< besides these
     QString curveFile;                         ///< .csv, as vcg::fcd::ReadCurveText; may be empty
+    std::vector<vcg::fcd::CurvePair> curves;   ///< besides these
     QString checkFile, checkTargetFile;        ///< pairs that are kept back, as of the other two; may be empty
     bool leaveOneOut = false;                  ///< also fits without each of the landmarks
     bool landmarksOnly = false;                ///< nothing else of the target counts

@@ -134,8 +134,25 @@ SessionContents contentsOf(const LayerState &state) {
     contents.earlier = state.rest ? int(state.rest->earlier.size()) : 0;
     contents.poses = state.poses ? int(state.poses->pose.size()) : 0;
     contents.tool = state.tool != nullptr;
-    contents.pairs = state.pairs ? int(state.pairs->size()) : 0;
+    contents.pairs = state.fit ? int(state.fit->pairs.size()) : 0;
+    contents.fitOptions = state.fit && state.fit->isSet();
     return contents;
+}
+
+/// What the tool FCD: Fit was told that does not go with the layers of a document; a list.
+std::string unfitOf(const FitToolState &fit, const MeshDocument &document, const MeshModel &layer) {
+    std::string all;
+    const auto add = [&all](const std::string &what) { all += (all.empty() ? "" : ", and ") + what; };
+    const MeshModel *target = layerNamed(fit.target, document, layer);
+    if (!fit.target.empty() && !target)
+        add("no other layer is called " + inQuotes(QString::fromStdString(fit.target)) + ", its target");
+    if (!fit.curves.empty() && !QFile::exists(QString::fromStdString(fit.curves)))
+        add("its curves are not there, " + inQuotes(QString::fromStdString(fit.curves)));
+    if (fit.options.weights == FitMeshParam::WeightsQuality && !hasQuality(layer))
+        add("this layer has no quality, which says what counts");
+    if (target && fit.options.targetWeights == FitMeshParam::WeightsQuality && !hasQuality(*target))
+        add("the target has no quality, which says what counts");
+    return all;
 }
 
 } // namespace
@@ -144,7 +161,7 @@ SessionContents saveSession(const MeshModel &layer, const QString &file) {
     const CMeshO &mesh = layer.cm;
     const LayerState *state = LayerState::of(layer);
     const auto tool = toolOf(layer);
-    if (!state || (state->marks.empty() && !state->scan && !state->rest && !state->poses && !state->pairs && !tool))
+    if (!state || (state->marks.empty() && !state->scan && !state->rest && !state->poses && !state->fit && !tool))
         throw Error("Nothing is known of the layer " + inQuotes(layer) +
                     " that a session would keep. Tag, mark, pose or fit it first.");
     const LiveVertices live(mesh);
@@ -171,8 +188,10 @@ SessionContents saveSession(const MeshModel &layer, const QString &file) {
         map.insert(QString("poses"), QString::fromStdString(PoseSequenceText(*state->poses)));
     if (tool)
         map.insert(QString("tool"), mapOf(*tool));
-    if (state->pairs)
-        map.insert(QString("pairs"), arrayOf(*state->pairs, live));
+    if (state->fit && !state->fit->pairs.empty())
+        map.insert(QString("pairs"), arrayOf(state->fit->pairs, live));
+    if (state->fit && state->fit->isSet())
+        map.insert(QString("fit"), mapOf(*state->fit));
     const QByteArray bytes = map.toCborValue().toCbor();
     const QByteArray all = QCborMap{{QString("format"), QString(formatName)},
                                     {QString("version"), version},
@@ -186,8 +205,7 @@ SessionContents saveSession(const MeshModel &layer, const QString &file) {
     return contents;
 }
 
-SessionContents loadSession(const MeshDocument &document, MeshModel &layer, const QString &file,
-                            const std::function<void(const std::string &)> &checkTool) {
+SessionContents loadSession(const MeshDocument &document, MeshModel &layer, const QString &file) {
     CMeshO &mesh = layer.cm;
     const std::string name = inQuotes(file);
     const std::size_t each = 12 * sizeof(double) + 48, shapes = RestShape::mostEarlier * 6 * sizeof(double);
@@ -244,15 +262,9 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
     if (from.has("poses"))
         next.poses = vcg::fcd::ReadPoseSequence(from.text("poses"), file.toStdString());
     std::shared_ptr<ToolState> tool;
-    if (from.has("tool")) {
-        next.tool = tool = std::make_shared<ToolState>(toolOf(from.in("tool"), from.has("rest"), layer, name));
-        if (checkTool)
-            checkTool(tool->text);
-    }
-
-    if (from.has("pairs"))
-        if (auto pairs = pairsOf(from, "pairs", live); !pairs.empty())
-            next.pairs = std::make_shared<const std::vector<FitPair>>(std::move(pairs));
+    if (from.has("tool"))
+        next.tool = tool = std::make_shared<ToolState>(toolOf(from.in("tool"), from.has("rest"), layer, file));
+    next.fit = fitOf(from, live);
 
     // The layer may be at rest, as when its scan was opened again.
     Eigen::AlignedBox3d box;
@@ -279,6 +291,8 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
     // From here on, nothing fails.
     LayerState &state = LayerState::made(document, layer);
     SessionContents contents = contentsOf(next);
+    if (next.fit)
+        contents.unfit = unfitOf(*next.fit, document, layer);
     if (isAtRest) {
         contents.moved = mesh.vn;
         forVertices(mesh, [&](std::size_t i) {
@@ -321,6 +335,6 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
     state.rest = std::move(next.rest);
     state.poses = std::move(next.poses);
     state.tool = std::move(next.tool);
-    state.pairs = std::move(next.pairs);
+    state.fit = std::move(next.fit);
     return contents;
 }

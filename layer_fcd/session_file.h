@@ -7,9 +7,6 @@
 
 #include <QString>
 
-#include <functional>
-#include <string>
-
 /// \file
 /// A session: what is known of a layer (layer_state.h), in a file, for another run of the program. CBOR (RFC 8949), a
 /// map that any CBOR library reads:
@@ -28,13 +25,14 @@
 ///                            whether a vertex has that of its tag; "tag": that its quality is, or the least int; and
 ///                            the other fields of KeptScan}
 ///       "poses"              a table, as ReadPoseSequence reads it
-///       "tool"               what FCD: Bend knows besides: {"state": a text, as edit_fcd/bend/model/state_text.h
-///       tells;
+///       "tool"               what FCD: Bend knows besides: {"state": a text, as bend_text.h tells;
 ///                            "posed": whether the layer has the pose of that, and not the shape that it begins from;
 ///                            "matrix": of the layer, column by column}
-///       "pairs"              of FCD: Fit: [{"name"; "vertex": its number among the live ones, "place": on the target,
-///       in
-///                            the world, 3; each only where that end is there}, ...]
+///       "pairs"              of FCD: Fit: [{"name"; "vertex": its number among the live ones, "place": on the
+///                            target, in the world, 3; each only where that end is there}, ...]
+///       "fit"                its options: {"stiffness", "start", "largest_distance", "weights", "target_weights": as
+///                            FitOptions has them, enumerations by their numbers; "target": name of the layer that
+///                            it is fitted to, "curves": file with such, each or ""}
 ///
 /// Arrays are typed arrays (RFC 8746), little-endian.
 
@@ -44,9 +42,11 @@ struct SessionContents {
     bool tool = false; ///< handles, motions and a line, as FCD: Bend knows them
     int earlier = 0;   ///< rest shapes
     int poses = 0;
-    int pairs = 0;          ///< of landmarks, as FCD: Fit knows them
-    int moved = 0;          ///< vertices that have another position since it was loaded
-    bool hasMatrix = false; ///< the layer has the matrix of then since
+    int pairs = 0;           ///< of landmarks, as FCD: Fit knows them
+    bool fitOptions = false; ///< of that tool
+    std::string unfit;       ///< what of these does not go with the layers that are there; or empty
+    int moved = 0;           ///< vertices that have another position since it was loaded
+    bool hasMatrix = false;  ///< the layer has the matrix of then since
 };
 
 /// Writes the state that the document keeps of \p layer. \throw vcg::fcd::Error when there is none, or the file cannot
@@ -55,10 +55,8 @@ SessionContents saveSession(const MeshModel &layer, const QString &file);
 
 /// Reads what saveSession has written: \p layer is then as it was saved. It must have the shape of then, or the rest
 /// shape, to 1e-6 of its diagonal. Colours and quality that it has got since stay. Motions of the tool are told in the
-/// world: a layer without a matrix gets the one of then. \param checkTool is asked before anything changes, and throws
-/// where what the tool knew cannot be read; may be empty
+/// world: a layer without a matrix gets the one of then.
 /// \throw vcg::fcd::Error what is wrong with the file, or how the layer differs; it is then as it was
-SessionContents loadSession(const MeshDocument &document, MeshModel &layer, const QString &file,
-                            const std::function<void(const std::string &)> &checkTool = {});
+SessionContents loadSession(const MeshDocument &document, MeshModel &layer, const QString &file);
 
 #endif

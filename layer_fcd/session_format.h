@@ -120,6 +120,18 @@ class Reader {
             fail(std::string(key) + " is no number");
         return value.toDouble();
     }
+    double number(const char *key, double least, double most) const {
+        const double value = number(key);
+        if (!(value >= least && value <= most))
+            fail(std::string(key) + " is out of range");
+        return value;
+    }
+    int whole(const char *key, int most) const { ///< from 0
+        const double value = number(key, 0, most);
+        if (value != std::floor(value))
+            fail(std::string(key) + " is no whole number");
+        return int(value);
+    }
     std::string text(const char *key) const {
         const QCborValue value = map.value(QString(key));
         if (!value.isString())

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "bend_text.h"
 #include "session_tools.h" // which includes others before Qt
 
 #include "layer_contents.h"
@@ -15,7 +16,7 @@ QCborMap mapOf(const ToolState &tool) {
             {QString("matrix"), arrayOf(std::move(matrix))}};
 }
 
-ToolState toolOf(const Reader &from, bool hasRest, const MeshModel &layer, const std::string &file) {
+ToolState toolOf(const Reader &from, bool hasRest, const MeshModel &layer, const QString &file) {
     ToolState tool{from.text("state"), from.flag("posed"), 0, {}};
     const std::vector<double> matrix = from.array<double>("matrix", 16, 1);
     for (int k = 0; k < 16; ++k)
@@ -31,9 +32,10 @@ ToolState toolOf(const Reader &from, bool hasRest, const MeshModel &layer, const
     const bool isSame = now.linear().isApprox(then.linear(), rounding) &&
                         (now.translation() - then.translation()).norm() <= rounding * then.translation().norm();
     if (!isSame && !now.matrix().isIdentity(0))
-        throw Error(file + " is of a layer with another matrix than " + inQuotes(layer) +
+        throw Error(inQuotes(file) + " is of a layer with another matrix than " + inQuotes(layer) +
                     " has, and its motions are told in the world. Reset the layer's matrix, and load the session "
                     "again, which brings the matrix of then.");
+    readBendText(tool.text, file.toStdString(), liveSlots(layer.cm), layer.cm.vert.size()); // or says what is wrong
     return tool;
 }
 
@@ -51,7 +53,17 @@ QCborArray arrayOf(const std::vector<FitPair> &pairs, const LiveVertices &live) 
     return array;
 }
 
-std::vector<FitPair> pairsOf(const Reader &from, const char *key, const LiveVertices &live) {
+QCborMap mapOf(const FitToolState &fit) {
+    return {{QString("stiffness"), fit.options.stiffness},
+            {QString("start"), int(fit.options.start)},
+            {QString("largest_distance"), fit.options.largestDistance},
+            {QString("weights"), int(fit.options.weights)},
+            {QString("target_weights"), int(fit.options.targetWeights)},
+            {QString("target"), QString::fromStdString(fit.target)},
+            {QString("curves"), QString::fromStdString(fit.curves)}};
+}
+
+static std::vector<FitPair> pairsOf(const Reader &from, const char *key, const LiveVertices &live) {
     const std::vector<std::size_t> liveSlot = liveSlots(live.mesh);
     std::vector<FitPair> pairs;
     for (const auto value : from.list(key)) {
@@ -59,13 +71,29 @@ std::vector<FitPair> pairsOf(const Reader &from, const char *key, const LiveVert
         FitPair &pair = pairs.emplace_back();
         pair.name = each.text("name");
         if (each.has("vertex")) {
-            const double vertex = each.number("vertex");
-            if (!(vertex >= 0 && vertex < double(liveSlot.size())) || vertex != std::floor(vertex))
-                each.fail("vertex is no number of a vertex");
-            pair.slot = liveSlot[std::size_t(vertex)];
+            pair.slot = liveSlot[std::size_t(each.whole("vertex", int(liveSlot.size()) - 1))];
         }
         if (each.has("place"))
             pair.place = Eigen::Map<const Eigen::Vector3d>(each.array<double>("place", 3, 1).data());
     }
     return pairs;
+}
+
+std::shared_ptr<const FitToolState> fitOf(const Reader &from, const LiveVertices &live) {
+    FitToolState fit;
+    if (from.has("pairs"))
+        fit.pairs = pairsOf(from, "pairs", live);
+    if (from.has("fit")) {
+        const Reader its = from.in("fit");
+        FitOptions &options = fit.options;
+        options.stiffness = its.number("stiffness", FitOptions::leastStiffness, FitOptions::mostStiffness);
+        options.start = vcg::fcd::FitStart(its.whole("start", int(vcg::fcd::FitStart::TriedAxes)));
+        options.largestDistance = its.number("largest_distance", 0, FitOptions::mostDistance);
+        options.weights = FitMeshParam::Weights(its.whole("weights", FitMeshParam::WeightsSelection));
+        options.targetWeights = FitMeshParam::Weights(its.whole("target_weights", FitMeshParam::WeightsSelection));
+        fit.target = its.text("target");
+        fit.curves = its.text("curves");
+    }
+    const bool isEmpty = fit.pairs.empty() && !fit.isSet();
+    return isEmpty ? nullptr : std::make_shared<const FitToolState>(std::move(fit));
 }

@@ -8,13 +8,16 @@
 /// What the tools know of a layer, in a session (session_file.h).
 
 QCborMap mapOf(const ToolState &tool);
-/// The same, read, but for the shape. \param hasRest the session has a rest shape \param file what messages call it
-/// \throw vcg::fcd::Error what is wrong with the file; or the layer has another matrix
-ToolState toolOf(const Reader &from, bool hasRest, const MeshModel &layer, const std::string &file);
+/// The same, read, but for the shape. \param hasRest the session has a rest shape
+/// \throw vcg::fcd::Error what is wrong with the file, or with the tool's text, and in which line of that; or the layer
+/// has another matrix
+ToolState toolOf(const Reader &from, bool hasRest, const MeshModel &layer, const QString &file);
 
 /// The pairs of FCD: Fit; an end at a deleted vertex is left out.
 QCborArray arrayOf(const std::vector<FitPair> &pairs, const LiveVertices &live);
-/// The same, read. \throw vcg::fcd::Error what is wrong with the file
-std::vector<FitPair> pairsOf(const Reader &from, const char *key, const LiveVertices &live);
+/// And the rest of what that tool was told.
+QCborMap mapOf(const FitToolState &fit);
+/// Both, read; null where the session has neither. \throw vcg::fcd::Error what is wrong with the file
+std::shared_ptr<const FitToolState> fitOf(const Reader &from, const LiveVertices &live);
 
 #endif

@@ -10,8 +10,10 @@
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <limits>
 
+using vcg::fcd::CurvePair;
 using vcg::fcd::FitGoal;
 using vcg::fcd::FitParam;
 using vcg::fcd::FitReport;
@@ -41,6 +43,22 @@ FitParam fitParamOf(const nb::dict &given) {
     param.samples = nb::cast<int>(given["samples"]);
     param.fitSteps = nb::cast<int>(given["steps"]);
     return nb::cast<bool>(given["landmarks_only"]) ? param.LandmarksAlone() : param;
+}
+
+std::vector<Eigen::Vector3d> pointsOf(const Rows &rows) {
+    std::vector<Eigen::Vector3d> points;
+    points.reserve(rows.shape(0));
+    for (std::size_t k = 0; k < rows.shape(0); ++k)
+        points.emplace_back(rowOf(rows.data(), k));
+    return points;
+}
+
+nb::object arrayOf(const std::vector<Eigen::Vector3d> &points) {
+    double *data;
+    nb::object rows = newArray({points.size(), 3}, data);
+    for (std::size_t k = 0; k < points.size(); ++k)
+        rowOf(data, k) = points[k];
+    return rows;
 }
 
 std::vector<Landmark> landmarksOf(const Fitting::Numbers &points, const Rows &places) {
@@ -84,6 +102,37 @@ Fitting::Fitting(const Rows &vertices, const std::optional<Corners> &faces,
     prepared = std::make_shared<Prepared>(vertices, faces, tags, param, threads, report, make);
 }
 
+nb::list readCurves(const nb::bytes &content, const std::string &name) {
+    const std::vector<CurvePair> curves = [text = std::string(content.c_str(), content.size()), &name] {
+        const nb::gil_scoped_release release;
+        return vcg::fcd::ReadCurveText(text, name);
+    }();
+    nb::list all;
+    for (const CurvePair &curve : curves)
+        all.append(nb::make_tuple(nb::bytes(curve.name.data(), curve.name.size()), nb::cast(curve.sourceLine),
+                                  arrayOf(curve.source), arrayOf(curve.target)));
+    return all;
+}
+
+nb::list Fitting::along(const std::vector<FileCurve> &curves) const {
+    std::vector<CurvePair> pairs;
+    pairs.reserve(curves.size());
+    for (const auto &[name, file, line, source, target] : curves)
+        pairs.push_back({{name.c_str(), name.size()}, pointsOf(source), pointsOf(target), line, file});
+    const vcg::fcd::CurveLead lead = [&] {
+        const nb::gil_scoped_release release;
+        return fitter->LeadAlong(pairs, "the surface", prepared->threads);
+    }();
+    nb::list all;
+    for (const vcg::fcd::Curve &curve : lead.curve) {
+        std::int64_t *vertex;
+        const nb::object numbers = newArray({curve.vertex.size()}, vertex);
+        std::copy(curve.vertex.begin(), curve.vertex.end(), vertex);
+        all.append(nb::make_tuple(numbers, arrayOf(curve.offset)));
+    }
+    return all;
+}
+
 nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows &places, bool leaveOneOut,
                        const nb::object &report) const {
     const bool isAlone = given.empty();
@@ -107,13 +156,8 @@ nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows 
         goal.weight = weightsOf(weights);
         for (const auto &[points, corners, offsets] :
              nb::cast<std::vector<std::tuple<Numbers, Rows, Rows>>>(given["curves"])) {
-            vcg::fcd::Curve curve;
-            curve.vertex.assign(points.data(), points.data() + points.shape(0));
-            for (std::size_t k = 0; k < corners.shape(0); ++k)
-                curve.target.emplace_back(rowOf(corners.data(), k));
-            for (std::size_t k = 0; k < offsets.shape(0); ++k)
-                curve.offset.emplace_back(rowOf(offsets.data(), k));
-            goal.curves.push_back(std::move(curve));
+            const std::vector<std::size_t> vertex(points.data(), points.data() + points.shape(0));
+            goal.curves.push_back({vertex, pointsOf(corners), pointsOf(offsets)});
         }
     }
     FitReport found;

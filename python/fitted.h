@@ -9,8 +9,16 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
+
+/// Of a curve in a file: its name, what messages call the file, the line there of each corner of the source, and the
+/// corners on source and target.
+using FileCurve = std::tuple<nb::bytes, std::string, std::vector<std::size_t>, Rows, Rows>;
+
+/// What vcg::fcd::ReadCurveText reads, but without the name of the file.
+nb::list readCurves(const nb::bytes &content, const std::string &name);
 
 /// A surface that is prepared to be fitted. Its arrays are referred to.
 class Fitting {
@@ -29,6 +37,10 @@ class Fitting {
     /// they belong \param leaveOneOut also fits it without each of these \return the pose, and what is told of it
     nb::tuple fit(const nb::dict &goal, const Numbers &points, const Rows &places, bool leaveOneOut,
                   const nb::object &report) const;
+
+    /// Of curves, as \ref readCurves gives them: the numbers of the vertices that go along the source's line, and from
+    /// each to its place there.
+    nb::list along(const std::vector<FileCurve> &curves) const;
 
     /// Makes it symmetric. \param goal by name: vertex and place of each landmark, of which 2 pairs, and then
     /// the midline; plane (or None) \param normals, weights as it was

@@ -133,6 +133,7 @@ NB_MODULE(_core, module) {
         .def_ro("prepared", &Fitting::prepared)
         .def("fit", &Fitting::fit, arg("goal"), arg("points"), arg("places"), arg("leave_one_out"),
              arg("report").none())
+        .def("along", &Fitting::along, arg("curves"))
         .def("symmetrize", &Fitting::symmetrize, arg("goal"), arg("normals").none(), arg("weights").none(),
              arg("report").none())
         .def("put", &Fitting::put, arg("points"), arg("places"), arg("vertices"));
@@ -162,6 +163,7 @@ NB_MODULE(_core, module) {
     nb::class_<Sequencer>(module, "Sequencer")
         .def(nb::init<std::shared_ptr<Prepared>, const Sequence &>(), arg("prepared"), arg("sequence"))
         .def("go", &Sequencer::go, arg("weights"), arg("report").none());
+    module.def("read_curves", &readCurves, arg("content"), arg("name"));
     module.def("nearest_vertices", &nearestVertices, arg("vertices"), arg("points"), arg("threads"),
                arg("report").none());
     module.def("checksum", &checksum, arg("rows"), arg("threads"));

@@ -11,6 +11,7 @@ import host_edit
 from host_edit import MIDDLE, Filters, load, the_dialogs_are_those_of_2020, tube_of, write_ply
 from host_edit import window # noqa: F401, a fixture
 from host_meshlabserver import Run, fit_filter
+from host_pymeshlab import new_set
 
 pytestmark = host_edit.pytestmark
 
@@ -30,11 +31,11 @@ def on_target(x, y=0.0):
     return on_template(x, y + 0.3 * (1 - x * x))
 
 
-def open_two(window, tmp_path):
-    """A straight tube, current, and one that is bent like a bow. Returns the first one's points and faces, too."""
+def open_two(window, tmp_path, *others):
+    """A straight tube, current, and one that is bent like a bow, and others before. Returns the first one's points and faces, too."""
     target, target_faces = tube_of(np.linspace(-1, 1, 150), 48, 0.25)
     points, faces = tube_of(np.linspace(-1, 1, 60), 24, 0.25)
-    return window(write_ply(tmp_path / "scan.ply", bow(target), target_faces), write_ply(tmp_path / "template.ply", points, faces)), points, faces
+    return window(*others, write_ply(tmp_path / "scan.ply", bow(target), target_faces), write_ply(tmp_path / "template.ply", points, faces)), points, faces
 
 
 def place_pairs(w):
@@ -270,6 +271,80 @@ def test_what_does_not_count_is_carried_along(window, tmp_path):
     w.wait("trace: pulled", pulled + 3)
     w.key("ctrl+shift+Return")
     w.wait("weights=1, graph_layers=False")
+
+
+def write_curves(path, turn):
+    """The template's upper line belongs turned about the axis by so many degrees on the target."""
+    x, angle = np.linspace(-0.95, 0.95, 20), np.radians(turn)
+    line = np.stack([x, np.full(20, 0.25), np.zeros(20)], 1)
+    turned = np.stack([x, np.full(20, 0.25 * np.cos(angle)), np.full(20, 0.25 * np.sin(angle))], 1)
+    path.write_text("curve,surface,x,y,z\n" + "".join(f"top,{surface},{a!r},{b!r},{c!r}\n" for surface, places in (("source", line), ("target", bow(turned)))
+                                                     for a, b, c in places.tolist()))
+    return path
+
+
+def along_top(points, positions):
+    """Where the template's upper line is: the mean of its places across."""
+    top = (abs(points[:, 2]) < 1e-6) & (points[:, 1] > 0.2) & (abs(points[:, 0]) < 0.9)
+    return positions[top, 2].mean()
+
+
+def test_curves_lead_the_pull(window, tmp_path):
+    """They are drawn on both layers, go with undo, are those of the filter, and are there when the tool comes back."""
+    w, points, _ = open_two(window, tmp_path)
+    w.start_tool("FCD: Fit")
+    w.key("2")
+    plain = w.seen()
+    file = write_curves(tmp_path / "curves.csv", 40)
+    (tmp_path / "bad.csv").write_text("curve,surface,x,y,z\ntop,source,0,0\n")
+    answer(w, "curves", "Load curves", str(tmp_path / "bad.csv"))
+    w.wait("bad.csv', line 2: found 4 cells")
+    answer(w, "curves", "Load curves", str(file))
+    w.settle()
+    w.shot("curves")
+    lines = np.abs(w.seen() - plain).sum(2) > 60
+    color = w.seen()[lines]
+    assert 500 < lines.sum() < 20000
+    assert ((color[:, 2] > 200) & (color[:, 0] < 90)).sum() > 100 and ((color[:, 0] > 220) & (color[:, 2] < 80)).sum() > 100 # blue, orange
+    w.key("3") # this layer alone
+    assert not ((w.seen()[..., 0] > 220) & (w.seen()[..., 2] < 80)).any()
+    w.key("2")
+    pull(w)
+    w.shot("pulled_with_curves")
+    led = load(w.save("led.ply"))[0]
+    assert abs(along_top(points, led) - 0.25 * np.sin(np.radians(40))) < 0.02
+    ms = new_set() # in double precision; meshlabserver 2020.09 knows no curves
+    for name in ("scan.ply", "template.ply"):
+        ms.load_new_mesh(str(tmp_path / name))
+    ms.apply_filter("generate_fcd_fitted_mesh", target_layer=0, curves_file=str(file), graph_layers=False)
+    assert np.abs(ms.current_mesh().vertex_matrix() - led).max() < 1e-5
+    w.key("ctrl+z", "ctrl+z") # the pull, and the curves
+    assert (np.abs(w.seen() - plain).sum(2) > 60).sum() < 50
+    pull(w)
+    assert abs(along_top(points, load(w.save("without.ply"))[0])) < 0.02
+    answer(w, "curves", "Load curves", str(file)) # while it is pulled
+    w.wait("trace: pulled", 3)
+    assert np.array_equal(load(w.save("led_again.ply"))[0], led)
+    w.key("BackSpace")
+    w.toggle_tool("FCD: Fit", is_on=True)
+    w.start_tool("FCD: Fit")
+    w.key("p")
+    assert np.array_equal(load(w.save("back.ply"))[0], led)
+    w.click(w.place("nocurves"))
+    w.wait("trace: pulled", 4)
+    w.key("ctrl+z")
+    w.wait("trace: pulled", 5)
+    w.key("ctrl+Return")
+    w.wait(f"curves_file='{file}', graph_layers=False)")
+    w.wait("The curves were those of the shape of before")
+    w.shot("applied")
+    pull(w)
+    w.key("ctrl+z", "ctrl+z") # over the apply
+    w.wait("trace: pulled", 7)
+    assert np.array_equal(load(w.save("undone.ply"))[0], led)
+    file.write_text(file.read_text().replace(",0.25,", ",9.25,"))
+    answer(w, "curves", "Load curves", str(file))
+    w.wait("from the vertices of 'template.ply' there, more than a tenth of its diagonal")
 
 
 def test_a_file_is_replaced_only_when_asked(window, tmp_path):

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import host_edit
-from host_edit import MIDDLE, Filters, Window, load, the_dialogs_are_those_of_2020, tube, write_ply
+from host_edit import MIDDLE, Filters, Window, load, the_dialogs_are_those_of_2020, tube, tube_of, write_ply
 from host_edit import window # noqa: F401, a fixture
-from host_edit_fit import answer, on_target, open_two, place_pairs, save_pairs
+from host_edit_fit import answer, on_target, open_two, place_pairs, pull, save_pairs, write_curves
 from host_edit_hands import keep_pose, tube_with_poses
 from host_edit_state import PULL, import_another
 
@@ -155,9 +155,9 @@ def test_pairs_of_a_fit_go_on_in_another_run(window, another, tmp_path):
     pairs = save_pairs(w, "pairs.csv").read_bytes()
     w.click(on_target(0.3)) # where the template is now
     w.toggle_tool("FCD: Fit", is_on=True)
-    by_filter(Filters(w), "FCD: Save Session", tmp_path / "pairs.fcd", "pairs of 'FCD: Fit': 4.")
+    by_filter(Filters(w), "FCD: Save Session", tmp_path / "pairs.fcd", "pairs of 'FCD: Fit': 4, options")
     w = another(tmp_path / "scan.ply", tmp_path / "template.ply")
-    by_filter(Filters(w), "FCD: Load Session", tmp_path / "pairs.fcd", "pairs of 'FCD: Fit': 4.")
+    by_filter(Filters(w), "FCD: Load Session", tmp_path / "pairs.fcd", "pairs of 'FCD: Fit': 4, options")
     w.start_tool("FCD: Fit")
     w.shot("pairs_are_there")
     w.click(w.place("save"))
@@ -167,6 +167,52 @@ def test_pairs_of_a_fit_go_on_in_another_run(window, another, tmp_path):
     w.key("ctrl+z", "ctrl+z") # the place, and what was loaded
     w.click(w.place("save"))
     w.wait("There is no pair of landmarks to be saved.")
+
+
+@the_dialogs_are_those_of_2020
+def test_options_of_a_fit_go_on_in_another_run(window, another, tmp_path):
+    """What the panel says, and the target by its name, among other layers."""
+    target, target_faces = tube_of(np.linspace(-1, 1, 150), 48, 0.25)
+    other = write_ply(tmp_path / "other.ply", target, target_faces)
+    w, points, _ = open_two(window, tmp_path, other)
+    w.start_tool("FCD: Fit")
+    w.click(w.place("target"))
+    w.key("End", "Return") # the scan, which is not the first one
+    x, y, width, height = w.box("stiffness")
+    w.do("mousemove", x + width // 2, y + height // 2, "click", "--repeat", 3, 4)
+    w.click(w.place("start"))
+    w.key("Home", "Return")
+    answer(w, "curves", "Load curves", str(write_curves(tmp_path / "curves.csv", 20)))
+    pull(w)
+    w.shot("told")
+    pulled = load(w.save("pulled.ply"))[0]
+    w.key("BackSpace")
+    w.toggle_tool("FCD: Fit", is_on=True)
+    w.start_tool("FCD: Fit") # which goes on with the same
+    w.key("p") # it knows the shape
+    assert np.array_equal(load(w.save("pulled_again.ply"))[0], pulled)
+    w.key("BackSpace")
+    w.toggle_tool("FCD: Fit", is_on=True)
+    by_filter(Filters(w), "FCD: Save Session", tmp_path / "fit.fcd", "Saved: options of 'FCD: Fit'.")
+
+    w = another(other, tmp_path / "scan.ply", tmp_path / "template.ply")
+    by_filter(Filters(w), "FCD: Load Session", tmp_path / "fit.fcd", "Loaded: options of 'FCD: Fit'.")
+    w.start_tool("FCD: Fit")
+    w.shot("options_are_there")
+    pull(w)
+    w.shot("pulled_as_then")
+    assert np.array_equal(load(w.save("as_then.ply"))[0], pulled)
+    w.key("ctrl+z", "ctrl+z") # the pull, and what was loaded
+    pull(w)
+    assert not np.array_equal(load(w.save("by_defaults.ply"))[0], pulled)
+
+    w = another(other, tmp_path / "template.ply")
+    (tmp_path / "curves.csv").unlink()
+    by_filter(Filters(w), "FCD: Load Session", tmp_path / "fit.fcd", "no other layer is called 'scan.ply', its target, and its curves are not there, ")
+    w.start_tool("FCD: Fit")
+    w.wait("The curves of the layer 'template.ply' are left out: Cannot open '")
+    w.wait("The layer 'template.ply' was fitted to 'scan.ply', which is not here: open it and choose this layer again, or choose another target.")
+    w.shot("target_is_not_here")
 
 
 @the_dialogs_are_those_of_2020

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a session keeps of a layer for another run of the program, inside pymeshlab. FCD_PLUGIN names the libfilter_fcd.so of this pymeshlab."""
 import hashlib
+import struct
 
 import numpy as np
 import pymeshlab
@@ -10,7 +11,7 @@ from host_pymeshlab import DEFORM, POSE, RESET, TAG, assert_unchanged, check_ret
 from host_tags import BEND, CLEAR, coloured, look, tag_ends
 
 SAVE, LOAD, SEQUENCE = "save_fcd_session", "load_fcd_session", "generate_fcd_pose_sequence"
-RETURNS = {"marks": bool, "colors": bool, "rest_shape": bool, "earlier": int, "poses": int, "tool": bool, "pairs": int, "moved_vertices": int}
+RETURNS = {"marks": bool, "colors": bool, "rest_shape": bool, "earlier": int, "poses": int, "tool": bool, "pairs": int, "fit_options": bool, "moved_vertices": int}
 
 
 def reopened(ms, folder, file="layer.ply"):
@@ -42,7 +43,7 @@ def test_a_session_goes_on_in_another_run(tmp_path, at_rest):
     before = snapshot(ms.current_mesh())
     result = ms.apply_filter(SAVE, session_file=str(tmp_path / "s.fcd"))
     check_returned(result, RETURNS)
-    assert result == {"marks": False, "colors": True, "rest_shape": True, "earlier": 1, "poses": 0, "tool": False, "pairs": 0, "moved_vertices": 0}
+    assert result == {"marks": False, "colors": True, "rest_shape": True, "earlier": 1, "poses": 0, "tool": False, "pairs": 0, "fit_options": False, "moved_vertices": 0}
     assert_unchanged(before, ms.current_mesh())
     shown = look(ms)
     if at_rest:  # the layer has its rest shape in the file
@@ -200,6 +201,8 @@ def cbor(value):
         return b"\xf5" if value else b"\xf4"
     if isinstance(value, str):
         return head(0x60, len(value.encode())) + value.encode()
+    if isinstance(value, float):
+        return b"\xfb" + struct.pack(">d", value)
     if isinstance(value, int):
         return head(0, value) if value >= 0 else head(0x20, -1 - value)
     if isinstance(value, list):
@@ -241,11 +244,104 @@ def test_pairs_of_a_fit_go_along(tmp_path):
     assert again.apply_filter(SAVE, session_file=str(again_file))["pairs"] == 3
     assert cbor(pairs) in contents(again_file.read_bytes())
 
-    for wrong, what in (([{"name": "a", "vertex": count}], "vertex is no number of a vertex"), ([{"name": "a", "vertex": -1}], "vertex is no number of a vertex"),
+    for wrong, what in (([{"name": "a", "vertex": count}], "vertex is out of range"), ([{"name": "a", "vertex": -1}], "vertex is out of range"),
                         ([{"vertex": 5}], "name is no text"),
                         ([5], "pairs is missing"), (5, "pairs is no list"), ([{"name": "a", "place": np.zeros(2)}], "place has not the values")):
         file.write_bytes(with_part(data, "pairs", wrong))
         refused(reopened(ms, tmp_path), what, session_file=str(file))
+
+
+def test_pairs_that_go_with_a_merged_layer_are_told(tmp_path, capfd):
+    ms, _, _ = posed()
+    file = tmp_path / "s.fcd"
+    ms.apply_filter(SAVE, session_file=str(file))
+    file.write_bytes(with_part(file.read_bytes(), "pairs", [{"name": "nose", "vertex": 5, "place": np.zeros(3)}, {"name": "ear", "vertex": 3}]))
+    ms.apply_filter(LOAD, session_file=str(file))
+    ms.add_mesh(pymeshlab.Mesh(np.eye(3), [[0, 1, 2]]), "other")
+    ms.set_verbosity(True)
+    capfd.readouterr()
+    ms.generate_by_merging_visible_meshes(deletelayer=True)
+    said = capfd.readouterr()
+    assert "FCD: a layer is gone, and with it its 2 pairs of landmarks of 'FCD: Fit'" in said.out + said.err
+
+
+FIT = {"stiffness": 10 ** 0.37, "start": 3, "largest_distance": 0.25, "weights": 1, "target_weights": 2, "target": "scän.ply", "curves": ""}
+
+
+def test_options_of_a_fit_go_along(tmp_path, capfd):
+    """With what does not go with the layers that are there."""
+    ms, _, _ = posed()
+    file, again_file = tmp_path / "s.fcd", tmp_path / "again.fcd"
+    ms.apply_filter(SAVE, session_file=str(file))
+    data = file.read_bytes()
+    file.write_bytes(with_part(data, "fit", FIT))
+    again = reopened(ms, tmp_path)
+    again.set_verbosity(True)
+    capfd.readouterr()
+    result = again.apply_filter(LOAD, session_file=str(file))
+    assert result["fit_options"] and result["pairs"] == 0
+    said = capfd.readouterr().err
+    assert "options of 'FCD: Fit'. Of 'FCD: Fit': no other layer is called 'scän.ply', its target." in said
+    assert again.apply_filter(SAVE, session_file=str(again_file))["fit_options"]
+    assert contents(again_file.read_bytes()).count(b"target_weights") == 1
+    for key, value in FIT.items():
+        assert cbor(key) + cbor(value) in contents(again_file.read_bytes()), key
+
+    again.add_mesh(pymeshlab.Mesh(np.eye(3)), "bare")  # without quality
+    again.set_current_mesh(0)
+    for weights, words in (((1, 1), "the target has no quality, which says what counts"), ((0, 1), "the target has no quality"), ((1, 0), ""),
+                           ((0, 0, "/no/such.csv"), "its curves are not there, '/no/such.csv'.")):
+        file.write_bytes(with_part(data, "fit", {**FIT, "target": "bare", "weights": weights[0], "target_weights": weights[1], "curves": "".join(weights[2:])}))
+        capfd.readouterr()
+        again.apply_filter(LOAD, session_file=str(file))
+        said = capfd.readouterr().err
+        assert words in said and ("Of 'FCD: Fit'" in said) == bool(words) and "this layer has no quality" not in said
+
+
+def test_options_of_a_fit_that_cannot_be_are_refused(tmp_path):
+    ms, _, _ = posed()
+    file = tmp_path / "s.fcd"
+    ms.apply_filter(SAVE, session_file=str(file))
+    data = file.read_bytes()
+    for key, wrong, what in (("stiffness", 0, "stiffness is out of range"), ("stiffness", 1000, "stiffness is out of range"), ("stiffness", "1", "stiffness is no number"),
+                             ("start", 4, "start is out of range"), ("start", -1, "start is out of range"), ("start", 0.5, "start is no whole number"),
+                             ("weights", 3, "weights is out of range"), ("target_weights", 1.5, "target_weights is no whole number"),
+                             ("largest_distance", -1, "largest_distance is out of range"), ("largest_distance", float("nan"), "largest_distance is out of range"),
+                             ("target", 5, "target is no text"), ("curves", True, "curves is no text")):
+        file.write_bytes(with_part(data, "fit", {**FIT, key: wrong}))
+        refused(reopened(ms, tmp_path), what, session_file=str(file))
+    for wrong in ({}, 5, []):
+        file.write_bytes(with_part(data, "fit", wrong))
+        refused(reopened(ms, tmp_path), "fit is missing|stiffness is no number", session_file=str(file))
+
+
+def test_what_a_fit_was_told_is_read_without_trust(tmp_path):
+    """Bytes of it are changed, with a good checksum: it is refused, or read and written again."""
+    ms, _, _ = posed()
+    file = tmp_path / "s.fcd"
+    ms.apply_filter(SAVE, session_file=str(file))
+    pairs = [{"name": "nose", "vertex": 5, "place": np.zeros(3)}, {"name": "ear", "vertex": 3}]
+    data = with_part(with_part(file.read_bytes(), "pairs", pairs), "fit", FIT)
+    layer = contents(data)
+    begin = layer.index(cbor("pairs"))
+    rng = np.random.default_rng(7)
+    loaded = 0
+    again = reopened(ms, tmp_path)
+    for _ in range(400):
+        bad = bytearray(layer)
+        for _ in range(rng.integers(1, 4)):
+            bad[rng.integers(begin, len(bad))] = rng.integers(256)
+        file.write_bytes(with_layer(data, bytes(bad)))
+        before = snapshot(again.current_mesh())
+        try:
+            again.apply_filter(LOAD, session_file=str(file))
+        except pymeshlab.PyMeshLabException:
+            assert_unchanged(before, again.current_mesh())
+            continue
+        loaded += 1
+        again.apply_filter(SAVE, session_file=str(file))
+        again.apply_filter(LOAD, session_file=str(file))
+    assert 20 < loaded < 380
 
 
 def test_what_the_tool_knows_goes_through_filters(tmp_path):
@@ -266,6 +362,23 @@ def test_what_the_tool_knows_goes_through_filters(tmp_path):
     again.apply_filter(RESET)
     assert again.apply_filter(LOAD, session_file=str(file))["tool"]
     assert same_points(again.current_mesh().vertex_matrix(), shapes[2])
+
+
+@pytest.mark.parametrize("state, what", [
+    ("FCD bend 2\n", "line 1: expected 'FCD bend 1': this is of another version of the tool"), ("", "line 1: expected 'FCD bend 1'"),
+    ("FCD bend 1\npose 50\nbend 2\n", "line 3: expected an option, or what is known of a handle, found 'bend'"),
+    ("FCD bend 1\npose 201\n", "line 2: expected a percentage from 0 to 200, found '201'"),
+    ("FCD bend 1\npoint 2 1000000 0.1\n", "line 2: expected a vertex of the layer, found '1000000'"),
+    ("FCD bend 1\n\nmotions 2: turn\n", "line 3: motions that cannot be"), ("FCD bend 1\npose 50 60\n", "line 2: expected the end of the line, found '60'")])
+def test_a_text_that_the_tool_would_refuse_is_refused(tmp_path, state, what):
+    ms, _, _ = posed()
+    file = tmp_path / "s.fcd"
+    ms.apply_filter(SAVE, session_file=str(file))
+    data = file.read_bytes()
+    file.write_bytes(with_tool(data, state=state))
+    refused(reopened(ms, tmp_path), f"s.fcd', {what}", session_file=str(file))
+    file.write_bytes(with_tool(data, state="FCD bend 1\nmark 2 0 5\npoint 3 7 0.1 grip\nmotions 2: rotate 0 0 1 20\n"))
+    assert reopened(ms, tmp_path).apply_filter(LOAD, session_file=str(file))["tool"]
 
 
 def test_a_layer_without_a_matrix_gets_that_of_its_session(tmp_path):

@@ -3,6 +3,7 @@
 #define VCG_FCD_FIT_H
 
 #include <vcg_ext/deformer.h>
+#include <vcg_ext/fit/curve_file.h>
 #include <vcg_ext/fit/fit_curves.h>
 #include <vcg_ext/fit/fit_samples.h>
 
@@ -48,6 +49,13 @@ struct AlongLine {
     double farthest = 0;                 ///< of the places along it from the vertex nearest to each, world units
     std::size_t corner = 0;              ///< that place is at it, or between it and the next
     bool isElsewhere = false;            ///< it is farther than a tenth of the diagonal and than the longest edge
+};
+
+/// Curves of a file, as a surface goes along them.
+struct CurveLead {
+    std::vector<Curve> curve; ///< in the world, as FitGoal has them
+    std::size_t vertices = 0; ///< how many go along them
+    double farthest = 0;      ///< of the given curves from the vertices, at most, world units
 };
 
 /// From where a fit begins.
@@ -157,6 +165,10 @@ class Fitter {
     /// free are left out. \param line one or more corners each, in the world \return of each, up to the first one that
     /// lies elsewhere
     std::vector<AlongLine> Along(const std::vector<std::vector<Eigen::Vector3d>> &line, unsigned threads = 0) const;
+
+    /// What goes along the source's lines of curves, as Along tells. \param surface what messages call the source
+    /// \throw BadInput with the line in the file: a curve lies elsewhere, or where nothing is free
+    CurveLead LeadAlong(const std::vector<CurvePair> &pairs, const std::string &surface, unsigned threads = 0) const;
 
     /// Fits it, from its pose at rest. \throw BadInput landmarks that are no vertices, or twice at one place; a curve
     /// with a vertex that is none or not free, or with fewer than two points

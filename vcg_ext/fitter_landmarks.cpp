@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <memory>
 #include <set>
 #include <sstream>
@@ -31,18 +30,6 @@ constexpr double otherUnits = 2.2, smallPart = 0.2, astray = 0.1;
 // So many times as much as the landmarks are off, nodes may give way: one that few nodes lead takes twice to three
 // times; two that are close and go apart, more. Or so much of the diagonal, in which no ripple is seen.
 constexpr double mostGivingWay = 10, unseen = 0.01;
-// Of the diagonal: a line on a surface is no farther from its vertices than its edges are long, and one on a copy of
-// it, thinned or posed a little, hardly; in other units, or of another layer, it is.
-constexpr double farFromAll = 0.1;
-
-/// Frame units.
-double LongestEdge(const Graph &graph) {
-    float most = 0;
-    for (Index u = 0; u < graph.Size(); ++u)
-        for (const Index v : graph.adjacency[u])
-            most = std::max(most, (graph.position.col(u) - graph.position.col(v)).squaredNorm());
-    return double(std::sqrt(most));
-}
 
 } // namespace
 
@@ -80,67 +67,6 @@ std::shared_ptr<const FitTarget> Fitter::Prepare(const FitGoal &goal, const Prog
             offset = toFrame.linear() * offset;
     }
     return target;
-}
-
-std::vector<AlongLine> Fitter::Along(const std::vector<std::vector<Eigen::Vector3d>> &lines, unsigned threads) const {
-    const RegionDeformer &region = deformer->Whole();
-    const SurfaceGraph &surface = region.surface;
-    std::vector<std::size_t> slot;
-    std::vector<Eigen::Vector3d> position;
-    for (std::size_t i = 0; i < source.vertexSlots; ++i) {
-        const Eigen::Vector3d p = surface.frame.ToFrame(Eigen::Vector3d(source.At(i)));
-        if (source.IsDeleted(i) || !p.allFinite())
-            continue;
-        slot.push_back(i);
-        position.push_back(p);
-    }
-    const PointTree<double> tree(position, threads);
-    const Eigen::Affine3d toFrame = ToFrame(Eigen::Affine3d::Identity());
-    const double most = std::max(farFromAll, LongestEdge(surface.graph));
-    std::vector<AlongLine> all;
-    for (const std::vector<Eigen::Vector3d> &line : lines) {
-        AlongLine &along = all.emplace_back();
-        std::map<std::size_t, std::pair<double, Eigen::Vector3d>> nearestTo; // of vertices, with its distance
-        const auto add = [&](const Eigen::Vector3d &place, std::size_t corner) {
-            double far = 0;
-            const std::size_t nearest = slot[std::size_t(tree.Nearest(toFrame * place, &far))];
-            if (!(far <= along.farthest)) { // or it is too far for a number
-                along.farthest = far;
-                along.corner = corner;
-            }
-            const Index node = deformer->nodeOf[nearest];
-            if (node < 0 || region.held.tag[std::size_t(node)] != 1)
-                return;
-            const auto [found, isNew] = nearestTo.try_emplace(nearest, far, place);
-            if (!isNew && far < found->second.first)
-                found->second = {far, place};
-        };
-        double length = 0;
-        for (std::size_t k = 0; k < line.size(); ++k) {
-            add(line[k], k);
-            if (k > 0)
-                length += (toFrame.linear() * (line[k] - line[k - 1])).norm();
-        }
-        along.isElsewhere = !(along.farthest <= most);
-        // No more places than there are vertices, however often it goes to and fro.
-        const double spacing =
-            std::max({surface.averageEdge, length / double(slot.size()), std::numeric_limits<double>::min()});
-        for (std::size_t k = 0; k + 1 < line.size() && !along.isElsewhere; ++k) {
-            const Eigen::Vector3d way = line[k + 1] - line[k];
-            const auto parts = std::size_t(std::ceil((toFrame.linear() * way).norm() / spacing));
-            for (std::size_t part = 1; part < parts; ++part)
-                add(line[k] + double(part) / double(parts) * way, k);
-        }
-        along.isElsewhere = !(along.farthest <= most);
-        along.farthest *= surface.frame.scale;
-        if (along.isElsewhere)
-            break;
-        for (const auto &[vertex, place] : nearestTo) {
-            along.vertex.push_back(vertex);
-            along.offset.emplace_back(place.second - handles.world * Eigen::Vector3d(source.At(vertex)));
-        }
-    }
-    return all;
 }
 
 /// Adds a sample for each landmark. \return where it belongs, frame units

@@ -6,6 +6,7 @@ Nothing but numpy is imported. Where the filters for pymeshlab are installed, `e
 from ._compensate import Compensated, CompensationInfo, compensate
 from ._core import __version__
 from ._contact import Contact
+from ._curves import Curve, read_curves
 from ._deform import deform, deformation
 from ._deformation import Deformation
 from ._deformer import Deformer, Graph, SurfaceInfo, Transforms, Weights
@@ -24,9 +25,9 @@ from ._warnings import (AccuracyWarning, CompensationWarning, ContactWarning, De
                         NodeWarning, NotAtRestWarning, NothingMovesWarning, OverruledWarning, RigidWarning, ScanLineWarning, SlitWarning, StretchWarning,
                         SymmetryWarning)
 
-__all__ = ["AccuracyWarning", "AnimationInfo", "Companion", "Compensated", "CompensationInfo", "CompensationWarning", "Contact", "ContactWarning", "Deformation",
+__all__ = ["AccuracyWarning", "AnimationInfo", "Companion", "Compensated", "CompensationInfo", "CompensationWarning", "Contact", "ContactWarning", "Curve", "Deformation",
            "DeformationWarning", "Deformer", "DisplacementGrid", "FitInfo", "FitStart", "Fitted", "Fitter",
            "FoldWarning", "FrameContact", "Graph", "KeyFrame", "LandmarkWarning", "LineInfo", "LineWarning", "Look", "MatchWarning", "MeshLike", "Motion",
            "NodeWarning", "NotAtRestWarning", "NothingMovesWarning", "OtherSide", "OverruledWarning", "Pose", "PoseInfo", "PoseSequence", "Progress", "RigidWarning",
            "ScanLineWarning", "SlitWarning", "Straightened", "StretchWarning", "SurfaceInfo", "Symmetrized", "SymmetryInfo", "SymmetryWarning", "Transforms", "VERSIONS", "Weights",
-           "__version__", "compensate", "deform", "deform_layer", "deformation", "enable_pymeshlab", "fit", "straighten", "symmetrize"]
+           "__version__", "compensate", "deform", "deform_layer", "deformation", "enable_pymeshlab", "fit", "read_curves", "straighten", "symmetrize"]

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _files, _measures, _splats
+from ._curves import read_curves
 from ._deform import _posed
 from ._deformation import Deformation
 from ._fit import fit
@@ -36,7 +37,7 @@ from ._symmetrize import symmetrize
 Row = dict[str, object]
 _MEASURED = "measured: "  # what the names of measurements begin with in the table, where they may be any
 
-_FITTED = ("matched", "rms", "median", "percentile_95", "guessed", "landmark_residual", "folded", "contact", "contact_depth", "converged")
+_FITTED = ("matched", "rms", "median", "percentile_95", "guessed", "landmark_residual", "curve_residual", "folded", "contact", "contact_depth", "converged")
 _POSED = ("nodes", "folded", "strained", "contact", "contact_depth", "largest_stretch", "converged")
 _SYMMETRIC = ("before", "after", "asymmetry", "asymmetry_most", "moved", "moved_most", "matched", "is_sure")
 
@@ -61,6 +62,11 @@ def _target(path: Path) -> tuple[Points, NDArray[np.int64] | None]:
     return np.asarray(mesh.vertices, np.float64), getattr(mesh, "faces", None)
 
 
+def _curves_of(given: str, scan: Path) -> Path:
+    """The file of a scan, or the one of all."""
+    return Path(given) / f"{scan.stem}.csv" if Path(given).is_dir() else Path(given)
+
+
 def _write(ply: Ply, pose: Pose, out: Path, names: Sequence[str], given: argparse.Namespace) -> Row:
     """The file as the pose is, its deformation where that is to be kept, its figures, and what is measured of it."""
     measured: Row = dict(_measures.take(_measures.read(given.measure), pose.vertices, ply.faces)) if given.measure else {}
@@ -79,8 +85,9 @@ def _fit(given: argparse.Namespace, scan: Path, out: Path, threads: int) -> Row:
     if given.landmarks:
         pairs = _points(Path(given.landmarks) / f"{scan.stem}.csv", 6)
         landmarks = pairs[:, :3], pairs[:, 3:]
-    fitted = fit(template.vertices, template.faces, target, faces, landmarks=landmarks, normals=template.normals, start=given.start,
-                 stiffness=given.stiffness, landmark_tolerance=given.landmark_tolerance, threads=threads)
+    curves = read_curves(_curves_of(given.curves, scan)) if given.curves else None
+    fitted = fit(template.vertices, template.faces, target, faces, landmarks=landmarks, curves=curves, normals=template.normals,
+                 start=given.start, stiffness=given.stiffness, landmark_tolerance=given.landmark_tolerance, threads=threads)
     return _write(template, fitted, out, _FITTED, given)
 
 
@@ -174,6 +181,8 @@ def _key(given: argparse.Namespace, path: Path) -> str:
     known = [path, *(Path(value) for name, value in asked.items() if name in ("template", "deformation", "measure") and value),
              *(Path(value) / f"{path.stem}.csv" for name, value in asked.items()
                if name in ("landmarks", "lines", "pairs", "midlines") and value)]
+    if asked.get("curves"):
+        known.append(_curves_of(asked["curves"], path))
     return hashlib.sha256("\n".join([repr(sorted(asked.items())), *map(_stamp, known)]).encode()).hexdigest()[:16]
 
 
@@ -297,6 +306,8 @@ def _parser() -> argparse.ArgumentParser:
 
     made = job("fit", "Lays a template onto each scan; all that the template's vertices and faces carry is kept.", "SCAN", "TEMPLATE")
     made.add_argument("--landmarks", metavar="FOLDER", help="NAME.csv for each scan: x, y, z on the template, and x, y, z on the scan")
+    made.add_argument("--curves", metavar="FOLDER_OR_FILE", help="of lines that slide along each other: NAME.csv for each scan, or one file for all, "
+                      "with a first row curve, surface, x, y, z; the surface is source (the template) or target (the scan)")
     made.add_argument("--start", default="as_they_lie", choices=["as_they_lie", "landmarks_rigid", "landmarks_similar", "axes"])
     made.add_argument("--stiffness", type=float, default=1.0)
     made.add_argument("--landmark-tolerance", type=float, default=0.0)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core, _inputs, _meshes
+from ._curves import Curve
 from ._deformer import Deformer, Plan, Transforms
 from ._inputs import Points
 from ._kept import Unchanging
@@ -265,7 +266,7 @@ class Fitter(Unchanging):
         target_weights: ArrayLike | None = None,
         check: Sequence[ArrayLike] | None = None,
         leave_one_out: bool = False,
-        curves: Sequence[Sequence[ArrayLike]] | None = None,
+        curves: Sequence[Curve | Sequence[ArrayLike]] | None = None,
         progress: Progress = None,
     ) -> Fitted:
         """Lays the surface onto another one, from rest.
@@ -293,7 +294,8 @@ class Fitter(Unchanging):
         curves : Sequence[Sequence[array_like]], optional
             Pairs of curves that belong together and may slide along each other, such as lips, a ridge or a tooth's margin: for each, numbers
             of free vertices (or places, which go with the vertices nearest to them) in any order, and the k x 3 corners of a polyline on
-            the target, in order. It is closed where its last corner is its first. Where the ends of an open one belong, say landmarks.
+            the target, in order. It is closed where its last corner is its first. Where the ends of an open one belong, say landmarks. Or
+            what [read_curves][pymeshlab_fcd.read_curves] reads of a file, with a polyline on each.
         progress : Progress, optional
             Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
@@ -323,7 +325,7 @@ class Fitter(Unchanging):
 
     def _fit(self, target: object, faces: object, landmarks: Sequence[ArrayLike] | None, normals: ArrayLike | None,
              weights: ArrayLike | None, check: Sequence[ArrayLike] | None, leave_one_out: bool,
-             curves: Sequence[Sequence[ArrayLike]] | None, told: Progress, level: int) -> Fitted:
+             curves: Sequence[Curve | Sequence[ArrayLike]] | None, told: Progress, level: int) -> Fitted:
         points, places = self._pairs("landmarks", landmarks)
         judges, judged = self._pairs("check", check)
         lines = self._curves(curves)
@@ -376,27 +378,39 @@ class Fitter(Unchanging):
     def _nearest(self, places: Points) -> NDArray[np.int64]:
         return _core.nearest_vertices(self._deformer.vertices, places, self._deformer._threads, None)
 
-    def _curves(self, curves: Sequence[Sequence[ArrayLike]] | None) -> list[tuple[NDArray[np.int64], Points, Points]]:
+    def _curves(self, curves: Sequence[Curve | Sequence[ArrayLike]] | None) -> list[tuple[NDArray[np.int64], Points, Points]]:
         """Of each, numbers of vertices, corners, and from the vertices to the places."""
-        found = []
+        found, lines = [], {}
         for k, curve in enumerate(() if curves is None else curves):
+            if isinstance(curve, Curve):
+                source, corners = _corners(f"the source of curve {k}", curve.source), _corners(f"the target of curve {k}", curve.target)
+                lines[k] = str(curve.name).encode("utf-8", "replace"), curve._file, curve._lines, source, corners
+                found.append((np.zeros(0, np.int64), corners, source))  # until it is known what goes along it
+                continue
             if not isinstance(curve, (tuple, list)) or len(curve) != 2:
                 raise TypeError(f"curve {k} must be a pair: (numbers of vertices or places, k x 3 corners on the target)")
             given = _inputs.points(curve[0], len(self._deformer.vertices), f"the first of curve {k}")
-            second = f"the second of curve {k}"
-            corners = _inputs.finite(second, _inputs.rows(second, curve[1]))
-            if len(corners) < 2:
-                raise ValueError(f"{second} has {len(corners)} corners; give two at least, in order")
+            corners = _corners(f"the second of curve {k}", curve[1])
             if given.ndim == 1:
                 found.append((np.asarray(given, np.int64), corners, np.zeros((0, 3))))
                 continue
             places = np.asarray(given, np.float64)
             nearest = self._nearest(places)
             found.append((nearest, corners, places - self._deformer.vertices[nearest]))
+        for k, (vertices, offsets) in zip(lines, self._deformer._fitting.along(list(lines.values()))):
+            found[k] = vertices, found[k][1], offsets
         return found
 
     def __repr__(self) -> str:
         return f"<Fitter of {len(self._deformer.vertices)} vertices, {self._deformer.info.nodes} nodes>"
+
+
+def _corners(name: str, values: object) -> Points:
+    """Of a polyline."""
+    corners = _inputs.finite(name, _inputs.rows(name, values))
+    if len(corners) < 2:
+        raise ValueError(f"{name} has {len(corners)} corners; give two at least, in order")
+    return corners
 
 
 def fit(
@@ -414,7 +428,7 @@ def fit(
     target_weights: ArrayLike | None = None,
     check: Sequence[ArrayLike] | None = None,
     leave_one_out: bool = False,
-    curves: Sequence[Sequence[ArrayLike]] | None = None,
+    curves: Sequence[Curve | Sequence[ArrayLike]] | None = None,
     start: FitStart = "as_they_lie",
     stiffness: float = 1.0,
     rigidity: float = 1.0,
@@ -464,7 +478,7 @@ def fit(
     leave_one_out : bool, default False
         Also fits without each landmark: `FitInfo.leave_one_out`.
     curves : Sequence[Sequence[array_like]], optional
-        Pairs of curves that slide along each other: vertices and the corners of a polyline, as of `Fitter.fit`.
+        Pairs of curves that slide along each other: vertices and the corners of a polyline, as of `Fitter.fit`, or what `read_curves` reads.
     start : {'as_they_lie', 'landmarks_rigid', 'landmarks_similar', 'axes'}, default 'as_they_lie'
         `as_they_lie`, `landmarks_rigid`, `landmarks_similar` or `axes`.
     stiffness : float, default 1.0

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from shapes import bar
 
-from pymeshlab_fcd import Deformer, Motion, _batch as batch, _splats, deform, fit
+from pymeshlab_fcd import Deformer, Motion, _batch as batch, _splats, deform, fit, read_curves
 from pymeshlab_fcd._batch import main
 from pymeshlab_fcd._ply import Ply
 
@@ -120,6 +120,39 @@ def test_fits_are_those_of_the_package_and_are_not_done_twice(tmp_path, capsys):
     assert main(command) == 0 and capsys.readouterr().out.count("rms") == 2  # one is gone, one has changed
     assert main([*command, "--stiffness", "3"]) == 0 and capsys.readouterr().out.count("rms") == 3  # other options
     assert main([*command, "--stiffness", "3", "--again"]) == 0 and capsys.readouterr().out.count("rms") == 3
+
+
+def test_curves_are_read_for_each_scan_or_for_all(tmp_path, capsys):
+    vertices, faces, tags, files = scans(tmp_path, 2)
+    (tmp_path / "curves").mkdir()
+    def write(path, target, more=0):
+        rows = [("edge", surface, *p) for surface, places in (("source", vertices[:287:7]), ("target", target[:287 - more:7])) for p in places.tolist()]
+        path.write_text("curve,surface,x,y,z\n" + "".join(",".join(map(str, row)) + "\n" for row in rows))
+    for i in range(2):
+        write(tmp_path / "curves" / f"scan{i}.csv", Ply(files[i]).vertices)
+    command = ["fit", str(tmp_path / "template.ply"), *files, "--landmarks", str(tmp_path / "marks"), "--start", "landmarks_rigid", "--out",
+               str(tmp_path / "out")]
+    assert main([*command, "--curves", str(tmp_path / "curves")]) == 0
+    rows = table(tmp_path / "out" / "fit.csv")
+    for i, file in enumerate(files):
+        scan, marks = Ply(file), np.loadtxt(tmp_path / "marks" / f"scan{i}.csv", delimiter=",")
+        led = fit(vertices, faces, scan.vertices, scan.faces, landmarks=(marks[:, :3], marks[:, 3:]), start="landmarks_rigid",
+                  curves=read_curves(tmp_path / "curves" / f"scan{i}.csv"))
+        assert (Ply(tmp_path / "out" / f"scan{i}.ply").vertices == led.vertices).all()
+        assert float(rows[file]["curve_residual"]) == led.info.curve_residual > 0
+    capsys.readouterr()
+    write(tmp_path / "curves" / "scan1.csv", Ply(files[1]).vertices, 70)
+    assert main([*command, "--curves", str(tmp_path / "curves")]) == 0 and "1 of 2 files are done already" in capsys.readouterr().out
+    first = str(tmp_path / "curves" / "scan0.csv")
+    assert main([*command, "--curves", first]) == 0 and "done already" not in capsys.readouterr().out  # one file, for both
+    assert float(table(tmp_path / "out" / "fit.csv")[files[1]]["curve_residual"]) > 10 * float(rows[files[1]]["curve_residual"])
+    (tmp_path / "curves" / "scan1.csv").unlink()
+    assert main([*command, "--curves", str(tmp_path / "curves")]) == 1
+    said = capsys.readouterr().out
+    assert "failed: " in said and "scan1.csv" in said
+    (tmp_path / "curves" / "scan1.csv").write_text("curve,surface,x,y,z\nedge,source,a,0,0\n")
+    assert main([*command, "--curves", str(tmp_path / "curves")]) == 1
+    assert "scan1.csv', line 2: expected a finite number" in capsys.readouterr().out
 
 
 def test_processes_have_the_same_bits_and_carry_on_after_an_interrupt(tmp_path):

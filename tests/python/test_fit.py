@@ -13,7 +13,7 @@ import pytest
 from shapes import same, with_filters
 
 import pymeshlab_fcd
-from pymeshlab_fcd import Deformation, DeformationWarning, FitInfo, Fitted, Fitter, Motion, Pose, fit
+from pymeshlab_fcd import Curve, Deformation, DeformationWarning, FitInfo, Fitted, Fitter, Motion, Pose, fit, read_curves
 
 LENGTH = 4.0
 DIAGONAL = np.sqrt(2 + LENGTH ** 2)
@@ -145,6 +145,47 @@ def test_curves_lead_what_slides():
     assert rms(led.vertices, truth) < 0.2 * rms(without.vertices, truth)
     assert led.info.curve_residual < 1e-3 and without.info.curve_residual == 0
     assert same(led.vertices, fit(points, faces, target, target_faces, curves=[(points[line], corners)], **QUICK).vertices)
+
+
+def curve_table(lines):
+    """Of pairs of corners."""
+    return "curve,surface,x,y,z\n" + "".join(f"{k},{surface},{x!r},{y!r},{z!r}\n" for k, line in enumerate(lines)
+                                             for surface, side in zip(("source", "target"), line) for x, y, z in side.tolist())
+
+
+def test_curves_of_a_file_lead_as_those_that_are_given(fitter, tmp_path):
+    """Two that are far from each other, one of vertices before, and what is wrong with the line of the file."""
+    lines = [(VERTICES[[610, 640, 641]], TRUTH[[610, 640, 641, 642]]), (VERTICES[5:906:90] + 0.001, TRUTH[5:906:30])]
+    path = tmp_path / "Kurven \u00e4.csv"
+    path.write_text(curve_table(lines))
+    read = read_curves(path)
+    assert [repr(each.name) for each in read] == ["'0'", "'1'"] and all(same(each.target, line[1]) for each, line in zip(read, lines))
+    led = fitter.fit(TARGET, TARGET_FACES, curves=read)
+    own = [Curve("own", *line) for line in lines]
+    assert led.info.curve_residual > 0 and same(fitter.fit(TARGET, TARGET_FACES, curves=own).vertices, led.vertices)
+    assert same(fitter.fit(TARGET, TARGET_FACES, curves=pickle.loads(pickle.dumps(read))).vertices, led.vertices)
+    assert not same(fitter.fit(TARGET, TARGET_FACES, curves=read[:1]).vertices, led.vertices)
+    given = [(np.arange(700, 730), TRUTH[700:730]), own[0]]
+    assert not same(fitter.fit(TARGET, TARGET_FACES, curves=given).vertices, fitter.fit(TARGET, TARGET_FACES, curves=given[1:]).vertices)
+    held = Fitter(VERTICES, FACES, np.where(np.arange(len(VERTICES)) < 800, 0, 1), **QUICK)
+    with pytest.raises(ValueError, match=r"Kurven ä\.csv', line 2: the curve '0' lies where nothing of the surface is free"):
+        held.fit(TARGET, TARGET_FACES, curves=read)
+    lines[1][0][3] += 100
+    path.write_text(curve_table(lines))
+    with pytest.raises(ValueError, match=r"csv', line 12: the curve '1' is .* from the vertices of the surface there"):
+        fitter.fit(TARGET, TARGET_FACES, curves=read_curves(path))
+    with pytest.raises(ValueError, match="^the curve 'far' is"):
+        fitter.fit(TARGET, TARGET_FACES, curves=[Curve("far", *lines[1])])
+    for text, message in (("curve,x\n", "line 1: expected the first row"), (curve_table(lines).replace("source", "sauce"), "line 2: expected source or target"),
+                          ("curve,surface,x,y,z\na,source,0,0,0\n", "needs corners at two places of the source"), ("\0", "zero byte")):
+        path.write_text(text)
+        with pytest.raises(ValueError, match=message):
+            read_curves(path)
+    with pytest.raises(FileNotFoundError):
+        read_curves(tmp_path / "none.csv")
+    for curve, message in ((Curve("a", lines[0][0][:1], TRUTH), "the source of curve 0 has 1 corners"), (Curve("a", TRUTH, TRUTH * np.nan), "the target of curve 0")):
+        with pytest.raises(ValueError, match=message):
+            fitter.fit(TARGET, TARGET_FACES, curves=[curve])
 
 
 def test_curves_that_cannot_be(fitter):
@@ -369,24 +410,12 @@ def test_the_same_bits_as_the_filter(tmp_path, kind):
     if kind == "curves":
         lines = [(VERTICES[[610, 640, 641]], TRUTH[[610, 640, 641, 642]]), (VERTICES[5:906:90] + 0.001, TRUTH[5:906:30])]
         files = {"curves_file": str(tmp_path / "curves.csv")}
-        with open(files["curves_file"], "w", encoding="ascii") as file:
-            file.write("curve,surface,x,y,z\n" + "".join(f"{k},{surface},{x!r},{y!r},{z!r}\n" for k, line in enumerate(lines)
-                                                        for surface, side in zip(("source", "target"), line) for x, y, z in side.tolist()))
-        given = {"curves": [(places_along(line[0]), line[1]) for line in lines]}
+        (tmp_path / "curves.csv").write_text(curve_table(lines))
+        given = {"curves": read_curves(files["curves_file"])}
+        assert [each.name for each in given["curves"]] == ["0", "1"] and same(given["curves"][1].source, lines[1][0])
     ms.apply_filter("generate_fcd_fitted_mesh", target_layer=0, graph_layers=False, initial_patches=QUICK["patches"], samples=QUICK["samples"],
                     fit_steps=QUICK["steps"], landmarks_only=kind == "alone", rigidity=given.get("rigidity", 1), **files)
     assert same(fit(VERTICES, FACES, TARGET, TARGET_FACES, **given, **QUICK).vertices, np.ascontiguousarray(ms.current_mesh().vertex_matrix()))
-
-
-def places_along(corners):
-    """As the filter takes them: the corners, and places between them no farther apart than the mean edge; one for each nearest vertex."""
-    edges = np.unique(np.sort(np.concatenate([FACES[:, [0, 1]], FACES[:, [1, 2]], FACES[:, [2, 0]]]), axis=1), axis=0)
-    edge = np.linalg.norm(VERTICES[edges[:, 0]] - VERTICES[edges[:, 1]], axis=1).mean()
-    parts = np.ceil(np.linalg.norm(np.diff(corners, axis=0), axis=1) / edge).astype(int)
-    places = np.array([*(a + t * (b - a) for a, b, n in zip(corners, corners[1:], parts) for t in np.arange(n) / n), corners[-1]])
-    far = np.linalg.norm(VERTICES[None] - places[:, None], axis=2)
-    nearest, far = far.argmin(1), far.min(1)
-    return np.array([places[nearest == v][far[nearest == v].argmin()] for v in np.unique(nearest)])
 
 
 FIXED = np.where(VERTICES[:, 2] < 0.3, 0, 1)

@@ -65,7 +65,7 @@ def test_the_reference_has_all_there_is():
 
 
 def test_every_parameter_is_explained():
-    for name in ("deform", "deformation", "deform_layer", "enable_pymeshlab", "straighten", "symmetrize", "compensate", "PoseSequence", "fit", "Fitter", "Deformer", "Motion", "Deformation", "Pose"):
+    for name in ("deform", "deformation", "deform_layer", "enable_pymeshlab", "straighten", "symmetrize", "compensate", "read_curves", "PoseSequence", "fit", "Fitter", "Deformer", "Motion", "Deformation", "Pose"):
         thing = getattr(pymeshlab_fcd, name)
         members = [thing] if callable(thing) and not inspect.isclass(thing) else [
             member for key, member in vars(thing).items() if not key.startswith("_") and (inspect.isfunction(member) or isinstance(member, classmethod))]

@@ -3,11 +3,11 @@
 #include <edit_fcd/bend/model/marks.h>
 #include <edit_fcd/bend/model/model.h>
 #include <edit_fcd/bend/model/named_poses.h>
-#include <edit_fcd/bend/model/state_text.h>
 #include <edit_fcd/bend/model/steps.h>
 #include <edit_fcd/bend/panel/frame_scale.h>
 #include <edit_fcd/bend/tool/drag.h>
 #include <edit_fcd/kit/history.h>
+#include <layer_fcd/bend_text.h>
 #include "test_support.h"
 
 #include <algorithm>

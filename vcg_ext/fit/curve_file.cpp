@@ -53,7 +53,7 @@ std::vector<CurvePair> ReadCurveText(const std::string &text, const std::string 
             corner[Eigen::Index(d)] = reader.Number(2 + d, "a finite number, with a point for decimals");
         const auto [found, isNew] = number.emplace(cell[0], curves.size());
         if (isNew) {
-            curves.push_back({cell[0], {}, {}, {}});
+            curves.push_back({cell[0], {}, {}, {}, name});
             firstLine.push_back(reader.Line());
         }
         CurvePair &curve = curves[found->second];

@@ -13,7 +13,8 @@ namespace vcg::fcd {
 struct CurvePair {
     std::string name;                            ///< UTF-8, not empty
     std::vector<Eigen::Vector3d> source, target; ///< corners in order, finite, two different ones at least; world
-    std::vector<std::size_t> sourceLine;         ///< from 1: where the file has each corner of the source
+    std::vector<std::size_t> sourceLine;         ///< from 1: where the file has each corner of the source; or empty
+    std::string file;                            ///< what messages call it
 };
 
 /// Reads a table of curves, a row for each corner, in order along its polyline; rows of several may alternate. Its

@@ -12,6 +12,10 @@
 
 namespace vcg::fcd {
 
+/// Of the diagonal: a line on a surface is no farther from its vertices than its edges are long, and one on a copy of
+/// it, thinned or posed a little, hardly; in other units, or of another layer, it is.
+constexpr double farFromAll = 0.1;
+
 /// A curve of the target, and the vertices of the source that lie on it, wherever along it.
 struct Curve {
     std::vector<std::size_t> vertex;     ///< slots of free vertices, in any order

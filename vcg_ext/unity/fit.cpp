@@ -15,6 +15,7 @@
 #include <vcg_ext/fit/fit_target.cpp>         // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fit/one_sided.cpp>          // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fitter.cpp>                 // NOLINT(bugprone-suspicious-include)
+#include <vcg_ext/fitter_curves.cpp>          // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fitter_landmarks.cpp>       // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fitter_param.cpp>           // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fitter_report.cpp>          // NOLINT(bugprone-suspicious-include)

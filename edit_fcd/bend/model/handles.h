@@ -2,7 +2,7 @@
 #ifndef FCD_BEND_HANDLES_H
 #define FCD_BEND_HANDLES_H
 
-#include "edit_fcd/bend/model/state.h"
+#include <layer_fcd/bend_state.h>
 
 /// \file
 /// What a state says of one handle, by its tag, and what can be said of it.

@@ -3,7 +3,8 @@
 #define FCD_BEND_INFLUENCE_H
 
 #include "edit_fcd/bend/model/reach.h"
-#include "edit_fcd/bend/model/state.h"
+
+#include <layer_fcd/bend_state.h>
 
 #include <functional>
 #include <map>

@@ -3,7 +3,8 @@
 #define FCD_BEND_MODEL_H
 
 #include "edit_fcd/bend/model/influence.h"
-#include "edit_fcd/bend/model/state.h"
+
+#include <layer_fcd/bend_state.h>
 
 #include <optional>
 

@@ -2,7 +2,7 @@
 #ifndef FCD_BEND_NAMED_POSES_H
 #define FCD_BEND_NAMED_POSES_H
 
-#include "edit_fcd/bend/model/state.h"
+#include <layer_fcd/bend_state.h>
 
 #include <optional>
 

@@ -25,9 +25,6 @@ struct SequenceReport;
 /// How the filters are asked for what the panel says.
 vcg::fcd::DeformationParam deformationOf(const BendOptions &options);
 
-/// \param text as a session of \p layer has it \throw vcg::fcd::Error it cannot be read
-void checkToolText(const std::string &text, const std::string &name, const MeshModel &layer);
-
 /// A stroke along a limb, from its joint towards its end; slots of vertices.
 struct BendStroke {
     std::size_t from, to;

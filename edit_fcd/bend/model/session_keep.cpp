@@ -2,8 +2,8 @@
 #include "edit_fcd/bend/model/session.h"
 
 #include "edit_fcd/bend/model/handles.h"
-#include "edit_fcd/bend/model/state_text.h"
 
+#include <layer_fcd/bend_text.h>
 #include <layer_fcd/kept_tool.h>
 #include <layer_fcd/layer_contents.h>
 #include <layer_fcd/layer_normals.h>
@@ -53,10 +53,6 @@ void BendSession::keepState() {
     keepTool(document, layer, own == BendState() ? "" : bendText(state(), data.options, liveSlots(layer.cm)),
              isMoved(data));
     kept = toolNow();
-}
-
-void checkToolText(const std::string &text, const std::string &name, const MeshModel &layer) {
-    readBendText(text, name, liveSlots(layer.cm), layer.cm.vert.size());
 }
 
 bool BendSession::goOn() {

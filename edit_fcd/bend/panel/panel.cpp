@@ -2,10 +2,10 @@
 #include "edit_fcd/bend/panel/panel.h"
 
 #include "edit_fcd/bend/panel/actions.h"
-#include "edit_fcd/bend/model/state.h"
 #include "edit_fcd/view/stretch_colors.h"
 #include "edit_fcd/kit/tool_window.h"
 
+#include <layer_fcd/bend_state.h>
 #include <layer_fcd/parameters.h>
 
 #include <algorithm>

@@ -29,8 +29,7 @@ void BendTool::loadLayerSession() {
         return;
     session->restore(); // a session is of that shape, or of its own pose
     try {
-        loadSession(*document, *model, file,
-                    [&](const std::string &text) { checkToolText(text, file.toStdString(), *model); });
+        loadSession(*document, *model, file);
     } catch (...) {
         solve(true);
         throw;

@@ -50,30 +50,51 @@ void FitSession::resume(const FitState &state) {
     now.applies = 0;
 }
 
-void FitSession::takeKeptPairs() {
+std::string FitSession::takeKept() {
     const LayerState *its = LayerState::of(layer);
-    const auto pairs = its ? its->pairs : nullptr;
-    if (pairs == keptPairs)
-        return;
-    keptPairs = pairs;
-    const std::vector<FitPair> taken = pairs ? *pairs : std::vector<FitPair>();
-    if (taken == now.pairs)
-        return;
+    const auto fit = its ? its->fit : nullptr;
+    if (fit == kept)
+        return "";
+    kept = fit;
+    const FitToolState taken = fit ? *fit : FitToolState();
+    chosenTarget = taken.target;
+    const bool hasCurves = taken.curves == (now.lines ? now.lines->file : "");
+    if (taken.pairs == now.pairs && taken.options == now.options && hasCurves)
+        return "";
     change();
-    setPairs(taken);
+    setPairs(taken.pairs);
+    setOptions(taken.options);
+    if (hasCurves)
+        return "";
+    try {
+        loadCurves(taken.curves);
+    } catch (const Error &e) {
+        loadCurves("");
+        return e.what();
+    }
+    return "";
 }
 
-void FitSession::keepPairs() {
-    if (keptPairs ? *keptPairs == now.pairs : now.pairs.empty())
+void FitSession::keep(const MeshModel *target) {
+    FitToolState next{now.pairs, now.options, chosenTarget, now.lines ? now.lines->file : ""};
+    const bool isTold = !next.pairs.empty() || next.isSet();
+    if (isTold && next.target.empty() && target) // another document may have its layers in another order
+        next.target = target->label().toStdString();
+    if (kept ? *kept == next : !isTold)
         return;
-    if (!now.pairs.empty())
-        LayerState::made(document, layer).pairs = keptPairs = std::make_shared<const std::vector<FitPair>>(now.pairs);
+    if (isTold)
+        LayerState::made(document, layer).fit = kept = std::make_shared<const FitToolState>(std::move(next));
     else if (LayerState *its = LayerState::of(layer))
-        its->pairs = keptPairs = nullptr;
+        its->fit = kept = nullptr;
 }
 
 Eigen::Vector3d FitSession::positionOf(std::size_t slot) const {
     return rest.world() * toVector(layer.cm.vert[slot].cP());
+}
+
+Eigen::Vector3d FitSession::cornerOf(std::size_t curve, std::size_t corner) const {
+    const std::size_t slot = now.lines->nearest[curve][corner];
+    return now.lines->curves[curve].source[corner] + positionOf(slot) - rest.world() * rest.at(slot);
 }
 
 // --- changes ---
@@ -141,6 +162,10 @@ void FitSession::load(const QStringList &files) { now.pairs = loadPairs(layer, r
 
 void FitSession::save(const QString &file) const { savePairs(layer, rest.positions().data(), now.pairs, file); }
 
+void FitSession::loadCurves(const std::string &file) {
+    now.lines = file.empty() ? nullptr : loadLines(layer, rest.positions().data(), file);
+}
+
 // --- the shape ---
 
 std::vector<vcg::fcd::Landmark> FitSession::landmarks() const {
@@ -183,6 +208,8 @@ FitMeshParam FitSession::paramFor(const MeshModel &target, bool landmarksOnly) c
             param.fit.largestDistance = asTyped(now.options.largestDistance);
         param.weights = now.options.weights;
         param.targetWeights = now.options.targetWeights;
+        if (now.lines)
+            param.curves = now.lines->curves;
     }
     return param;
 }
@@ -244,7 +271,8 @@ void FitSession::finishPull(const MeshModel &target, std::shared_ptr<const Fitte
 const FittedSurface *FitSession::pulled(const MeshModel &target) const {
     const bool isThat =
         lastPull && now.shape == FitShape::Pulled && pulledOnto == target.id() && pulledFrom.options == now.options &&
-        pulledFrom.pairs.size() == now.pairs.size() && pulledWeights == weightsFor(target) &&
+        pulledFrom.lines == now.lines && pulledFrom.pairs.size() == now.pairs.size() &&
+        pulledWeights == weightsFor(target) &&
         std::equal(now.pairs.begin(), now.pairs.end(), pulledFrom.pairs.begin(),
                    [](const FitPair &a, const FitPair &b) { return a.slot == b.slot && a.place == b.place; });
     return isThat ? lastPull.get() : nullptr;

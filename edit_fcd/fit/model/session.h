@@ -3,6 +3,7 @@
 #define FCD_FIT_SESSION_H
 
 #include "edit_fcd/shape/rest_guard.h" // these before Qt
+#include "edit_fcd/fit/model/lines.h"
 #include "edit_fcd/fit/model/pairs.h"
 #include "edit_fcd/kit/history.h"
 
@@ -16,29 +17,17 @@
 /// What a layer that is fitted shows.
 enum class FitShape { Rest, Landmarks, Pulled };
 
-/// What the panel sets.
-struct FitOptions {
-    double stiffness = 1;
-    vcg::fcd::FitStart start = vcg::fcd::FitStart::Similar; ///< by landmarks only where these tell a motion
-    double largestDistance = 0;                             ///< world units; 0: no limit
-    /// How much the vertices count when the layer is pulled: those of the layer, and of the target; no attributes.
-    FitMeshParam::Weights weights = FitMeshParam::AllCounts, targetWeights = FitMeshParam::AllCounts;
-
-    bool operator==(const FitOptions &other) const {
-        return stiffness == other.stiffness && start == other.start && largestDistance == other.largestDistance &&
-               weights == other.weights && targetWeights == other.targetWeights;
-    }
-};
-
 /// What is undone and redone.
 struct FitState {
     std::vector<FitPair> pairs;
     FitOptions options;
+    std::shared_ptr<const FitLines> lines; ///< that lead it when it is pulled; null: none
     FitShape shape = FitShape::Rest;
     std::size_t applies = 0; ///< in place, since the session began: each made the shape of then the rest shape
 
     bool operator==(const FitState &other) const {
-        return pairs == other.pairs && options == other.options && shape == other.shape && applies == other.applies;
+        return pairs == other.pairs && options == other.options && lines == other.lines && shape == other.shape &&
+               applies == other.applies;
     }
 };
 
@@ -60,14 +49,20 @@ class FitSession {
     const FitState &state() const { return now; }
     /// Takes up a state of an earlier session of the same layer.
     void resume(const FitState &state);
-    /// The pairs that the layer keeps, where they are not those that this has left with it: undo takes that back.
-    void takeKeptPairs();
-    /// The layer keeps the pairs, for another session and for files.
-    void keepPairs();
+    /// The pairs, options and curves that the layer keeps, where they are not those that this has left with it: undo
+    /// takes that back. \return what is wrong with the file of the curves, which are left out then; or empty
+    std::string takeKept();
+    /// The layer keeps these, for another session and for files. \param target that is shown, or null
+    void keep(const MeshModel *target);
+    /// Name of the layer that this one is fitted to, as a person has chosen it; empty: the first other one.
+    const std::string &targetName() const { return chosenTarget; }
+    void setTargetName(const std::string &name) { chosenTarget = name; }
     std::uint64_t restShape() const { return shapeAtRest; } ///< as shapeOf tells it
     double diagonal() const { return rest.diagonal(); }
 
     Eigen::Vector3d positionOf(std::size_t slot) const; ///< of a vertex, as it is shown; world
+    /// Of a corner of a curve on the layer: it goes with the vertex nearest to it. World
+    Eigen::Vector3d cornerOf(std::size_t curve, std::size_t corner) const;
     /// Whether the pair that was begun last waits for its place on the target.
     bool waitsForTarget() const { return !now.pairs.empty() && !now.pairs.back().place; }
 
@@ -89,6 +84,8 @@ class FitSession {
     /// \throw vcg::fcd::Error
     void load(const QStringList &files);
     void save(const QString &file) const;
+    /// \param file empty: without curves \throw vcg::fcd::Error
+    void loadCurves(const std::string &file);
 
     // --- the shape ---
 
@@ -144,9 +141,10 @@ class FitSession {
     bool hasDirections = false;    ///< as FitParam::linear
 
     FitState now;
-    std::shared_ptr<const std::vector<FitPair>> keptPairs; ///< that the layer got here, or that were taken from it
-    History<FitState> history{1000};                       // each is some pairs
-    std::vector<std::uint64_t> applied;                    ///< the rest shapes of before each apply
+    std::string chosenTarget;
+    std::shared_ptr<const FitToolState> kept; ///< that the layer got here, or that was taken from it
+    History<FitState> history{1000};          // each is some pairs
+    std::vector<std::uint64_t> applied;       ///< the rest shapes of before each apply
 
     std::shared_ptr<const LayerFit> followFit; ///< which followFitter needs
     std::shared_ptr<const vcg::fcd::Fitter> followFitter;

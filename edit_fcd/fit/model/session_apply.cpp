@@ -34,6 +34,8 @@ std::string FitSession::filterCall(const MeshModel &target, bool graphLayers) co
     call.with("target_layer", target.id());
     if (!now.pairs.empty())
         call.with("landmarks_file", std::string("pairs.csv")); // as 'Save pairs' writes them
+    if (now.lines && !param.landmarksOnly)
+        call.with("curves_file", now.lines->file);
     if (mayHaveTags(layer) && !hasTags(layer))
         call.with("handles", 4); // none
     call.with("landmarks_only", param.landmarksOnly, false)
@@ -78,6 +80,7 @@ std::string FitSession::applyInPlace(const MeshModel &target) {
     poseFitted(document, layer, *fitted);
     ++now.applies;
     now.shape = FitShape::Rest;
+    now.lines = nullptr; // they are of the shape of before
     keepRest();
     return call;
 }

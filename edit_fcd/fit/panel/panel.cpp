@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include <QFileInfo>
 #include <QFormLayout>
 #include <QGridLayout>
 #include <QHBoxLayout>
@@ -15,10 +16,9 @@
 
 namespace {
 
-// Of the slider: from 0.01 to 100, in hundredths of a power of ten.
-const int mostStiff = 200;
-
+// The slider has hundredths of a power of ten.
 double stiffnessAt(int place) { return std::pow(10, place / 100.0); }
+int placeOf(double stiffness) { return int(std::lround(100 * std::log10(stiffness))); }
 
 } // namespace
 
@@ -97,7 +97,7 @@ void FitPanel::addLayers(QBoxLayout &column) {
 void FitPanel::addPairs(QBoxLayout &column) {
     list = new FitPairList;
     list->setObjectName("pairs");
-    list->setFixedHeight(148); // five pairs; so all of the panel fits 768 pixels
+    list->setFixedHeight(120); // four pairs; so all of the panel fits 768 pixels
     column.addWidget(list);
     auto *row = new QHBoxLayout;
     row->setSpacing(3);
@@ -142,7 +142,7 @@ void FitPanel::addShape(QBoxLayout &column) {
     auto *stiff = new QHBoxLayout;
     stiffness = new QSlider(Qt::Horizontal);
     stiffness->setObjectName("stiffness");
-    stiffness->setRange(-mostStiff, mostStiff);
+    stiffness->setRange(placeOf(FitOptions::leastStiffness), placeOf(FitOptions::mostStiffness));
     stiffness->setToolTip("How rigid the surface is when it is pulled: softer follows finer detail, stiffer smooths "
                           "over noise and holes");
     stiffnessText = new QLabel("1");
@@ -176,11 +176,18 @@ void FitPanel::addShape(QBoxLayout &column) {
     largest = new NumberBox;
     largest->setObjectName("largest");
     largest->setDecimals(4);
-    largest->setRange(0, 1e9);
+    largest->setRange(0, FitOptions::mostDistance);
     largest->setSpecialValueText("no limit");
     largest->setToolTip("What is farther than this from the target has no counterpart there");
     connect(largest, &QDoubleSpinBox::editingFinished, this, &FitPanel::optionsChanged);
     form->addRow("Largest distance", largest);
+    auto *lines = new QHBoxLayout;
+    curves = button("curves", "", "", LoadCurves);
+    noCurves = button("nocurves", "Without", "The pull goes by no curves", ClearCurves);
+    lines->addWidget(curves, 1);
+    lines->addWidget(noCurves);
+    form->addRow("Curves", lines);
+    showCurves(QString());
     column.addLayout(form);
     distance = new QCheckBox("Show distance");
     distance->setObjectName("distance");
@@ -232,7 +239,7 @@ FitOptions FitPanel::options() const {
 
 void FitPanel::showOptions(const FitOptions &options) {
     const QSignalBlocker blocked(this);
-    stiffness->setValue(int(std::lround(100 * std::log10(options.stiffness))));
+    stiffness->setValue(placeOf(options.stiffness));
     start->setCurrentIndex(int(options.start));
     largest->setValue(options.largestDistance);
     weights->setCurrentIndex(int(options.weights));
@@ -252,6 +259,16 @@ void FitPanel::showLegend(double most) {
     if (most > 0)
         text += "<span style='background: rgb(150, 150, 150); color: black'>&nbsp;none&nbsp;</span>";
     legend->setText(text);
+}
+
+void FitPanel::showCurves(const QString &file) {
+    const QString name = QFileInfo(file).fileName();
+    curves->setText(name.isEmpty() ? QString("Load ...")
+                                   : curves->fontMetrics().elidedText(name, Qt::ElideMiddle, 120));
+    curves->setToolTip((file.isEmpty() ? QString() : file.toHtmlEscaped() + "<br>") +
+                       "Lines on both layers that slide along each other when this one is pulled: lips, a ridge, a "
+                       "tooth's margin. A table (.csv) as 'FCD: Fit to Layer' reads it");
+    noCurves->setEnabled(!file.isEmpty());
 }
 
 void FitPanel::showProgress(int percent) {

@@ -26,7 +26,7 @@ class FitPanel : public QDockWidget {
   public:
     /// Which layers are seen: the one whose turn it is to be clicked, or as chosen.
     enum Seen { InTurn, Both, Source, Target };
-    enum Command { Load, Save, Clear, Undo, Redo, Cancel, ApplyInPlace, ApplyToNewLayer };
+    enum Command { Load, Save, Clear, LoadCurves, ClearCurves, Undo, Redo, Cancel, ApplyInPlace, ApplyToNewLayer };
 
     explicit FitPanel(QWidget *parent);
 
@@ -39,6 +39,8 @@ class FitPanel : public QDockWidget {
     void showOptions(const FitOptions &options);
     FitShape shape() const { return FitShape(shapes->checkedId()); }
     void showShape(FitShape shape) { shapes->button(int(shape))->setChecked(true); }
+    /// \param file with the curves, or empty: none
+    void showCurves(const QString &file);
     bool showsDistance() const { return distance->isChecked(); }
     bool graphLayers() const { return graphs->isChecked(); }
 
@@ -73,7 +75,7 @@ class FitPanel : public QDockWidget {
     QDoubleSpinBox *largest;
     QCheckBox *distance, *graphs;
     QProgressBar *progress;
-    QPushButton *cancel;
+    QPushButton *cancel, *curves, *noCurves;
     FitPairList *list;
 };
 

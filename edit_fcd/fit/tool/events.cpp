@@ -230,6 +230,13 @@ void FitTool::onCommand(int which) {
         reshape(true);
         showLayers();
         break;
+    case FitPanel::LoadCurves: {
+        const QString file = QFileDialog::getOpenFileName(view->window(), "Load curves", QString(), "Tables (*.csv)");
+        if (!file.isEmpty() && isReady())
+            setCurves(file.toStdString());
+        break;
+    }
+    case FitPanel::ClearCurves: setCurves(""); break;
     case FitPanel::Undo:
     case FitPanel::Redo:
         stopWork();
@@ -243,6 +250,15 @@ void FitTool::onCommand(int which) {
     case FitPanel::ApplyInPlace:
     case FitPanel::ApplyToNewLayer: apply(which == FitPanel::ApplyInPlace); break;
     }
+}
+
+/// \param file empty: none
+void FitTool::setCurves(const std::string &file) {
+    session->change();
+    session->loadCurves(file);
+    if (session->state().shape == FitShape::Pulled)
+        reshape(true);
+    view->update();
 }
 
 void FitTool::chooseFiles(bool load) {
@@ -277,7 +293,10 @@ void FitTool::apply(bool inPlace) {
     stopWork(); // that would go on with the shape of before
     session->change();
     if (inPlace) {
+        const bool hadCurves = session->state().lines != nullptr;
         tell(session->applyInPlace(onto));
+        if (hadCurves)
+            say("The curves were those of the shape of before: load some of this one.");
         showVertices(true);
         showDistances();
         return;

@@ -96,6 +96,7 @@ void FitTool::draw() {
         return;
     if (marks().showsSource)
         overlay->draw(model->cm);
+    drawCurves(*session, marks());
     drawPairs(*session, marks());
 }
 
@@ -115,9 +116,12 @@ QString FitTool::stateText() const {
     if (work)
         return text + (isFollowWanted ? "<br>Preparing the layer ..." : "<br>Pulling ...");
     if (const FittedSurface *fitted = session->pulled(*target()))
-        text += QString("<br>%1 % lie on the target, off by %2 (rms).")
+        text += QString("<br>%1 % lie on the target, off by %2 (rms)%3.")
                     .arg(std::floor(1000 * fitted->report.matched) / 10, 0, 'g', 3) // 100 % is all of it
-                    .arg(fitted->report.rms, 0, 'g', 2);
+                    .arg(fitted->report.rms, 0, 'g', 2)
+                    .arg(fitted->curves.curve.empty()
+                             ? QString()
+                             : QString("; the curves are met to %1").arg(fitted->report.curves, 0, 'g', 2));
     return text;
 }
 
@@ -127,8 +131,10 @@ void FitTool::refresh() {
     panel->showProgress(work ? work.percent() : -1);
     panel->showState(stateText());
     panel->showShape(session->state().shape);
+    const auto &lines = session->state().lines;
+    panel->showCurves(lines ? QString::fromStdString(lines->file) : QString());
     if (layer())
-        session->keepPairs();
+        session->keep(target());
     std::vector<FitPairRow> rows;
     const std::vector<FitPair> &pairs = session->state().pairs;
     rows.reserve(pairs.size());

@@ -48,6 +48,7 @@ class FitTool : public LayerTool {
     MeshModel *target() const; ///< null when there is none
     MeshModel &expectedTarget() const;
     void open(MeshModel &model);
+    void takeTarget(const MeshModel &fitted);
     void leave();
     void close() override;
     bool isReady();
@@ -60,6 +61,7 @@ class FitTool : public LayerTool {
     void act(int key);
 
     void chooseFiles(bool load);
+    void setCurves(const std::string &file);
     void click();
     void dragTo();
     bool place(bool isTarget);

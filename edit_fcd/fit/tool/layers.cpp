@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/fit/tool/fit_tool.h"
 
+#include <layer_fcd/layer_labels.h>
+
 // Which layer the tool works on, from when to when, and what its panel does.
 
 using vcg::fcd::Error;
@@ -58,9 +60,26 @@ void FitTool::open(MeshModel &newModel) {
         else if (before)
             session->setPairs(before->state().pairs);
     }
-    session->takeKeptPairs();
+    const std::string wrong = session->takeKept();
+    if (!wrong.empty())
+        say("The curves of the layer " + inQuotes(newModel) + " are left out: " + wrong, true);
+    takeTarget(newModel);
     enterLayer(newModel);
     selected = -1;
+}
+
+/// The target of a layer that was fitted before, by its name: another document may number it otherwise.
+void FitTool::takeTarget(const MeshModel &fitted) {
+    const std::string &name = session->targetName();
+    const MeshModel *known = view->md()->getMesh(targetId);
+    if (name.empty() || (known && known != &fitted && known->cm.vn > 0 && known->label().toStdString() == name))
+        return;
+    if (const MeshModel *found = layerNamed(name, *view->md(), fitted))
+        targetId = found->id();
+    else
+        say("The layer " + inQuotes(fitted) + " was fitted to '" + name +
+                "', which is not here: open it and choose this layer again, or choose another target.",
+            true);
 }
 
 void FitTool::changeLayer(MeshDocument &document, GLArea *area) {
@@ -190,6 +209,8 @@ void FitTool::showTargets() {
 
 void FitTool::onTarget() {
     targetId = panel->target();
+    if (session && target())
+        session->setTargetName(target()->label().toStdString());
     showLayers();
     if (isReady())
         reshape(true);

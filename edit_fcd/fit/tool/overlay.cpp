@@ -17,6 +17,29 @@ void drawEnd(const Eigen::Vector3d &p, const GLubyte *color, bool isSelected) {
     }
 }
 
+/// What follows comes over all that is drawn; until glPopAttrib().
+void beginOver() {
+    glPushAttrib(GL_ALL_ATTRIB_BITS);
+    glDisable(GL_LIGHTING);
+    glDisable(GL_TEXTURE_2D);
+    glDisable(GL_DEPTH_TEST);
+    glDepthMask(GL_FALSE);
+    glEnable(GL_POINT_SMOOTH);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+}
+
+void drawLine(const std::vector<Eigen::Vector3d> &places, const GLubyte *color) {
+    for (const bool isRim : {true, false}) {
+        glLineWidth(isRim ? 5.f : 3.f);
+        glColor3ubv(isRim ? ringColor : color);
+        glBegin(GL_LINE_STRIP);
+        for (const Eigen::Vector3d &p : places)
+            glVertex3d(p[0], p[1], p[2]);
+        glEnd();
+    }
+}
+
 } // namespace
 
 std::optional<FitEnd> endAt(const FitSession &session, const FitMarks &marks, const Camera &view,
@@ -43,15 +66,26 @@ std::optional<FitEnd> endAt(const FitSession &session, const FitMarks &marks, co
     return found;
 }
 
+void drawCurves(const FitSession &session, const FitMarks &marks) {
+    const std::shared_ptr<const FitLines> &lines = session.state().lines;
+    if (!lines)
+        return;
+    beginOver();
+    for (std::size_t c = 0; c < lines->curves.size(); ++c) {
+        std::vector<Eigen::Vector3d> source;
+        source.reserve(lines->curves[c].source.size());
+        for (std::size_t k = 0; k < lines->curves[c].source.size(); ++k)
+            source.push_back(session.cornerOf(c, k));
+        if (marks.showsTarget)
+            drawLine(lines->curves[c].target, targetColor);
+        if (marks.showsSource)
+            drawLine(source, sourceColor);
+    }
+    glPopAttrib();
+}
+
 void drawPairs(const FitSession &session, const FitMarks &marks) {
-    glPushAttrib(GL_ALL_ATTRIB_BITS);
-    glDisable(GL_LIGHTING);
-    glDisable(GL_TEXTURE_2D);
-    glDisable(GL_DEPTH_TEST);
-    glDepthMask(GL_FALSE);
-    glEnable(GL_POINT_SMOOTH);
-    glEnable(GL_BLEND);
-    glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    beginOver();
     const std::vector<FitPair> &pairs = session.state().pairs;
     if (marks.showsSource && marks.showsTarget) {
         glLineWidth(2);

@@ -21,6 +21,9 @@ struct FitEnd {
 std::optional<FitEnd> endAt(const FitSession &session, const FitMarks &marks, const Camera &view,
                             const Eigen::Vector2d &window);
 
+/// Draws the curves over what is there, in the colours of the pairs, which come over them.
+void drawCurves(const FitSession &session, const FitMarks &marks);
+
 /// Draws the pairs over what is there: their ends on the layer blue, those on the target orange, and lines between.
 void drawPairs(const FitSession &session, const FitMarks &marks);
 

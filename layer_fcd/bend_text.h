@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef FCD_BEND_STATE_TEXT_H
-#define FCD_BEND_STATE_TEXT_H
+#ifndef FCD_BEND_TEXT_H
+#define FCD_BEND_TEXT_H
 
-#include "edit_fcd/bend/model/state.h"
+#include "bend_state.h"
 
 #include <string>
 #include <utility>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "edit_fcd/bend/model/state_text.h"
+#include "bend_text.h"
 
 #include <vcg_ext/base/words.h>
 
@@ -234,7 +234,7 @@ std::string handleText(int tag, const BendHandle &handle) {
 } // namespace
 
 std::string bendText(const BendState &state, const BendOptions &options, const std::vector<std::size_t> &live) {
-    const auto numberOf = [&](std::size_t slot) { // a slot that counts for nothing need not be a live one
+    const auto liveNumber = [&](std::size_t slot) { // a slot that counts for nothing need not be a live one
         const auto found = std::lower_bound(live.begin(), live.end(), slot);
         return ToText(std::min(std::size_t(found - live.begin()), live.size() - 1));
     };
@@ -245,7 +245,7 @@ std::string bendText(const BendState &state, const BendOptions &options, const s
     if (options.falloff != vcg::fcd::Falloff::Smooth) // which versions without it read, too
         text += "falloff " + ToText(int(options.falloff)) + "\n";
     for (const auto &[tag, point] : state.points)
-        text += "point " + ToText(tag) + " " + numberOf(point.slot) + " " + ToText(point.radius) +
+        text += "point " + ToText(tag) + " " + liveNumber(point.slot) + " " + ToText(point.radius) +
                 (point.isGrip ? " grip\n" : "\n");
     for (const auto &[tag, rank] : state.rank)
         text += "rank " + ToText(tag) + " " + ToText(rank) + "\n";
@@ -266,7 +266,7 @@ std::string bendText(const BendState &state, const BendOptions &options, const s
     for (const BendLinePoint &each : state.line) {
         text += "line";
         for (const std::size_t corner : each.corner)
-            text += " " + numberOf(corner);
+            text += " " + liveNumber(corner);
         text += " " + textOf(each.weight) + " " + textOf(each.place) + "\n";
     }
     return text;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "edit_fcd/bend/model/state.h"
+#include "bend_state.h"
 
 #include <algorithm>
 

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Curves of two surfaces, as files have them."""
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+
+from . import _core
+from ._inputs import Points
+from ._numbers import shown
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A line on each of two surfaces, which slide along each other in a fit: one of `curves` of [fit][pymeshlab_fcd.fit]."""
+
+    name: str
+    """What it is called."""
+    source: Points
+    """k x 3 corners on the surface that is fitted, in order. What goes along it are the vertices nearest to them, and to places between them
+    no farther apart than the mean edge, where these are free."""
+    target: Points
+    """m x 3 corners on the target, in order: as many or others. It is closed where the last is the first."""
+    _file: str = field(default="", repr=False)  # what messages call it
+    _lines: list[int] = field(default_factory=list, repr=False)  # where that has each corner of the source
+
+
+def read_curves(path: str | os.PathLike[str]) -> list[Curve]:
+    """Curves of a table with a first row `curve, surface, x, y, z` and a row for each corner: the name of its curve, `source` or `target`,
+    and the place. The filter *FCD: Fit to Layer* reads the same as *Curves*, and makes the same bits of it.
+
+    Parameters
+    ----------
+    path : path
+        Of the file, `.csv`.
+
+    Returns
+    -------
+    list[Curve]
+        For `curves` of [fit][pymeshlab_fcd.fit], in the order of their first rows.
+
+    Raises
+    ------
+    OSError
+        It cannot be read.
+    ValueError
+        What is wrong in it, with the line.
+    """
+    with open(os.fspath(path), "rb") as file:  # no number of an open file
+        content = file.read()
+    name = shown(path)
+    return [Curve(curve.decode("utf-8", "replace"), source, target, name, lines)
+            for curve, lines, source, target in _core.read_curves(content, name)]
