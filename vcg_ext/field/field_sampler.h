@@ -31,7 +31,7 @@ class FieldSampler {
   public:
     FieldSampler(const SurfaceGraph &surface, std::vector<std::array<Index, 3>> face, const Eigen::Matrix3Xd &rest,
                  const Eigen::Matrix3Xd &deformed, const std::vector<Eigen::Matrix3f> &linear,
-                 const std::vector<Index> &regionOf, const FieldParam &param, const Progress &progress)
+                 const std::vector<Index> &regionOf, const FieldParam &param)
         : surface(surface), face(std::move(face)), rest(rest), deformed(deformed), linear(linear), param(param),
           pieces(1) {
         const std::size_t slotCount = surface.nodeOf.size();

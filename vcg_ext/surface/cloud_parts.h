@@ -106,6 +106,7 @@ class CloudParts {
     /// The rings in which so many points are, three times over, on a sheet that fills cells as these points do.
     int RingsFor(const std::vector<std::uint32_t> &some, std::size_t wanted) const {
         std::vector<std::size_t> cell;
+        cell.reserve(some.size());
         for (std::uint32_t i : some)
             cell.push_back(NumberOf(CellOf(i), across));
         std::sort(cell.begin(), cell.end());
@@ -118,7 +119,7 @@ class CloudParts {
     static void Widen(std::vector<char> &isNear, std::size_t stride, std::size_t count, int rings) {
         constexpr char given = 1, added = 2;
         const auto each = [&](char &flag, int &since) {
-            since = flag & given ? 0 : std::min(since + 1, rings + 1);
+            since = (flag & given) ? 0 : std::min(since + 1, rings + 1);
             flag = char(flag | (since <= rings ? added : 0));
         };
         for (std::size_t first = 0; first < isNear.size(); ++first) {
