@@ -97,13 +97,17 @@ class DeformerMaker {
 
     /// Whether a region of a cloud that is read anew reaches points that bend in a region that is kept.
     bool IsBesideSame(const std::vector<ReadRegion> &read) const {
-        return mesh.isCloud && std::any_of(read.begin(), read.end(), [&](const ReadRegion &each) {
-                   return std::any_of(same.begin(), same.end(), [&](const auto &region) {
-                       return std::any_of(region->bent.begin(), region->bent.end(), [&](const MovingRegion::Bent &v) {
-                           return each.surface.nodeOf[v.slot] >= 0;
-                       });
-                   });
-               });
+        if (!mesh.isCloud || same.empty())
+            return false;
+        std::vector<char> isSame(mesh.vertexSlots, 0);
+        for (const auto &region : same)
+            for (const MovingRegion::Bent &vertex : region->bent)
+                isSame[vertex.slot] = 1;
+        return std::any_of(read.begin(), read.end(), [&](const ReadRegion &each) {
+            return std::any_of(each.surface.slots.begin(), each.surface.slots.end(), [&](std::uint32_t slot) {
+                return each.surface.nodeOf[slot] >= 0 && isSame[each.slotOf.empty() ? slot : each.slotOf[slot]];
+            });
+        });
     }
 
     /// Prepares what was read. \return whether what is kept has as many patches as it would have now

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/patches/given_nodes.h>
 #include <vcg_ext/region_reader.h>
+#include <vcg_ext/surface/cloud_neighbourhood.h>
+#include <vcg_ext/surface/cloud_parts.h>
 
 #include <algorithm>
 #include <limits>
@@ -9,24 +11,6 @@
 namespace vcg::fcd {
 
 namespace {
-
-/// Of a cloud all points are looked at, as any may be a neighbour: those of other regions as if they were fixed.
-void TakePoints(const RegionSource &source, const SurfaceGraph &surface, const HeldNodes &held,
-                const SurfaceRegions &regions, const LooseSurface &loose, Index region, RegionSource &part) {
-    part.mesh = source.mesh;
-    part.tag = source.tag;
-    std::vector<Index> of;
-    for (std::size_t i = 0; i < part.tag.size(); ++i) {
-        const Index u = surface.nodeOf[i];
-        if (source.tag[i] != 1 || (u >= 0 && regions.regionOf[std::size_t(u)] == region))
-            continue;
-        of.clear();
-        if (u >= 0 && held.tag[std::size_t(u)] != 1) // at the place of what is held, as a point handle
-            regions.Of(surface.graph, u, of);
-        if (!std::binary_search(of.begin(), of.end(), region))
-            part.tag[i] = loose.partOf.empty() || loose.partOf[i] < 0 ? 0 : noVertex;
-    }
-}
 
 /// The smallest slot of a free vertex.
 std::uint32_t FirstOf(const RegionSource &source, const SurfaceGraph &surface, const HeldNodes &held) {
@@ -64,7 +48,9 @@ std::vector<std::pair<std::uint32_t, int>> HeldBeside(const SurfaceGraph &surfac
 
 ReadRegions RegionReader::ReadPart(const RegionSource &source, bool isWhole, const Progress &progress) {
     ReadRegions found;
-    SurfaceGraph surface = ReadFreeSurface(source.mesh, source.tag, metric, progress.Slice(0, 0.5), param.weldDistance);
+    SurfaceGraph surface =
+        ReadFreeSurface(source.mesh, source.tag, metric, progress.Slice(0, 0.5), param.weldDistance, source.places);
+    found.reach = surface.reach;
     HeldNodes held = HoldNodes(surface, source.tag, source.point, progress.Slice(0.5, 0.5));
     const double patch =
         param.bendsUnheld ? surface.area / param.graph.Patches() : std::numeric_limits<double>::infinity();
@@ -82,7 +68,9 @@ ReadRegions RegionReader::ReadPart(const RegionSource &source, bool isWhole, con
             for (std::size_t i = 0; i < tag.size(); ++i)
                 if (found.loose.partOf[i] >= 0)
                     tag[i] = noVertex;
-            surface = ReadFreeSurface(source.mesh, tag, metric, progress.Slice(0.55, 1), param.weldDistance);
+            surface =
+                ReadFreeSurface(source.mesh, tag, metric, progress.Slice(0.55, 1), param.weldDistance, source.places);
+            found.reach = std::max(found.reach, surface.reach);
             held = HoldNodes(surface, tag, source.point, progress.Slice(1, 1));
         }
         found.regions.push_back(RegionOf(source, std::move(surface), std::move(held)));
@@ -107,17 +95,67 @@ void RegionReader::Divide(const RegionSource &source, const SurfaceGraph &surfac
     if (regions.together > 0)
         parts.back().isOne = true;
     std::vector<ReadRegions> within(parts.size());
-    ParallelTasks(progress.Slice(0.1, 1), readingStage, within.size(), [&](std::size_t r, const Progress &part) {
-        if (source.mesh.isCloud)
-            TakePoints(source, surface, held, regions, found.loose, Index(r), parts[r]);
-        within[r] = ReadPart(parts[r], false, part);
-        parts[r].tag = {};
-    });
+    if (source.mesh.isCloud)
+        DivideCloud(source, surface, regions, progress.Slice(0.1, 1), parts, within, found);
+    else
+        ParallelTasks(progress.Slice(0.1, 1), readingStage, within.size(), [&](std::size_t r, const Progress &part) {
+            within[r] = ReadPart(parts[r], false, part);
+            parts[r].tag = {};
+        });
     for (std::size_t r = 0; r < within.size(); ++r) {
         for (ReadRegion &each : within[r].regions)
             found.regions.push_back(std::move(each));
         AddLoose(within[r].loose, parts[r], source, found.loose);
+        found.reach = std::max(found.reach, within[r].reach);
     }
+}
+
+/// Of a cloud, any point around may be a neighbour: a region is read from the points around it, where it is free, and
+/// as if all else were fixed. Where it looks farther than these reach, it is read again from more of them.
+void RegionReader::DivideCloud(const RegionSource &source, const SurfaceGraph &surface, const SurfaceRegions &regions,
+                               const Progress &progress, std::vector<RegionSource> &parts,
+                               std::vector<ReadRegions> &within, const ReadRegions &found) {
+    if (parts.empty())
+        return;
+    const auto isLoose = [&](std::size_t i) { return !found.loose.partOf.empty() && found.loose.partOf[i] >= 0; };
+    const auto isLive = [&](std::size_t i) { return source.tag[i] != noVertex && !isLoose(i); };
+    const detail::CloudParts cloud(source.mesh, isLive, metric, progress.Slice(0, 0.1));
+    std::vector<std::vector<std::uint32_t>> free(parts.size()); // slots, also those at the place of a point handle
+    std::vector<Index> of;
+    for (std::size_t i = 0; i < source.tag.size(); ++i)
+        if (const Index u = surface.nodeOf[i]; u >= 0 && source.tag[i] == 1) {
+            regions.Of(surface.graph, u, of);
+            for (Index region : of)
+                free[std::size_t(region)].push_back(std::uint32_t(i));
+        }
+    ParallelTasks(progress.Slice(0.1, 1), readingStage, parts.size(), [&](std::size_t r, const Progress &progress) {
+        const std::vector<std::size_t> point = std::move(parts[r].point);
+        RegionSource &part = parts[r];
+        part.places = source.places.isEmpty() ? cloud.places : source.places;
+        double reach = 0;
+        int rings = source.places.isEmpty() ? 0 : std::numeric_limits<int>::max() / 2;
+        do {
+            part.slotOf = cloud.Around(free[r], detail::CloudNeighbourhood<double>::most, rings, reach);
+            rings *= 2;
+            part.arrays = SurfaceArrays(part.slotOf.size(), 0, 0, false);
+            part.arrays.isCloud = true;
+            part.mesh = part.arrays.View();
+            part.tag.clear();
+            for (std::uint32_t i : part.slotOf) {
+                Eigen::Map<Eigen::Vector3d>(part.arrays.Position(part.tag.size())) = source.mesh.At(i);
+                part.tag.push_back(source.tag[i] == 1 ? 0 : source.tag[i]);
+            }
+            for (std::uint32_t i : free[r])
+                part.tag[part.Find(i)] = 1;
+            part.point.clear();
+            for (std::size_t i : point)
+                part.point.push_back(part.Find(i));
+            for (std::uint32_t &i : part.slotOf)
+                i = source.InMesh(i);
+            within[r] = ReadPart(part, false, progress);
+        } while (within[r].reach > reach);
+        part.tag = {};
+    });
 }
 
 ReadRegion RegionReader::RegionOf(const RegionSource &source, SurfaceGraph surface, HeldNodes held) const {

@@ -23,6 +23,7 @@ struct ReadRegions {
     Index gaps = 0; ///< between regions, too: as of SurfaceReport; 0 where there is one
     std::vector<std::pair<std::uint32_t, int>> heldBeside; ///< vertices held as others at their place are: their tags
     Index placedNodes = 0;                                 ///< how many of the given nodes lie on the surface
+    double reach = 0;                                      ///< as of Region
 };
 
 /// Reads the free surface of a mesh, divides it into regions, and reads each of these by itself, in its own frame. The
@@ -41,6 +42,9 @@ class RegionReader {
     ReadRegions ReadPart(const RegionSource &source, bool isWhole, const Progress &progress);
     void Divide(const RegionSource &source, const SurfaceGraph &surface, const HeldNodes &held,
                 const SurfaceRegions &regions, const Progress &progress, ReadRegions &found);
+    void DivideCloud(const RegionSource &source, const SurfaceGraph &surface, const SurfaceRegions &regions,
+                     const Progress &progress, std::vector<RegionSource> &parts, std::vector<ReadRegions> &within,
+                     const ReadRegions &found);
     ReadRegion RegionOf(const RegionSource &source, SurfaceGraph surface, HeldNodes held) const;
     void FindGiven(const RegionSource &source, const SurfaceGraph &surface, const HeldNodes &held, ReadRegions &found);
 

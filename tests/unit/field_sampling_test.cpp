@@ -77,41 +77,49 @@ TEST(FieldSampling, TellsADeformationByFewVertices) {
 }
 
 TEST(FieldSampling, OfARegionDoesNotDependOnOthers) {
-    // Two regions with a handle between them, and a third one behind what is fixed.
+    // Two regions with a handle between them, or two that touch, and a third one behind what is fixed.
     const Shape tube = Tube(60, 150);
     const double end = tube.position.back()[2];
-    const auto tagOf = [&](const Vector3d &p, bool more) {
+    const auto tagOf = [&](const Vector3d &p, bool more, bool two) {
         const double z = p[2] / end;
+        if (two && z >= 0.4 && z < 0.5)
+            return more ? 3 : 0;
         return z < 0.05 ? 0 : z < 0.3 ? 1 : z < 0.4 ? 2 : z < 0.6 ? int(more) : z < 0.7 ? 0 : z < 0.9 ? int(more) : 3;
     };
-    for (const Shape &shape : {tube, Unwelded(Tube(30, 80)), Points(tube)}) {
-        std::vector<Matrix3Xd> moved;
-        for (const bool more : {false, true}) {
-            Handles handles;
-            for (const Vector3d &p : shape.position)
-                handles.tag.push_back(tagOf(p, more));
-            handles.motion[2] = Motion(Affine3d(Eigen::AngleAxisd(0.5, Vector3d::UnitZ())).matrix());
-            handles.motion[3] = Motion(Affine3d(Eigen::Translation3d(0.3, 0, 0)).matrix());
-            const Arrays arrays = Read(MeshD(shape));
-            const SurfaceView view(arrays);
-            const auto deformer = PrepareDeformer(view, handles, DeformationParam());
-            Matrix3Xd rest = view.Copy(), deformed = rest;
-            std::vector<Eigen::Matrix3f> linear;
-            const SurfacePose pose = deformer->Solve(handles, DeformationParam());
-            Carrier(*deformer, pose).Apply(deformed, &linear);
-            const SampledField sampled =
-                SampleField(view, rest, deformed, linear, {}, {}, Eigen::Matrix3d::Identity(), deformer->FreeIn());
-            EXPECT_EQ(sampled.off, 0);
-            EXPECT_EQ(sampled.stirred, 0);
-            const DeformationField field(sampled.samples);
-            moved.emplace_back(3, rest.cols());
-            for (Eigen::Index i = 0; i < rest.cols(); ++i)
-                moved.back().col(i) = rest.col(i) + field(rest.col(i));
+    for (const bool two : {false, true})
+        for (const Shape &shape : {tube, Unwelded(Tube(30, 80)), Points(tube)}) {
+            std::vector<Matrix3Xd> moved;
+            for (const bool more : {false, true}) {
+                Handles handles;
+                for (const Vector3d &p : shape.position)
+                    handles.tag.push_back(tagOf(p, more, two));
+                handles.motion[2] = Motion(Affine3d(Eigen::AngleAxisd(0.5, Vector3d::UnitZ())).matrix());
+                handles.motion[3] = Motion(Affine3d(Eigen::Translation3d(0.3, 0, 0)).matrix());
+                const Arrays arrays = Read(MeshD(shape));
+                const SurfaceView view(arrays);
+                const auto deformer = PrepareDeformer(view, handles, DeformationParam());
+                Matrix3Xd rest = view.Copy(), deformed = rest;
+                std::vector<Eigen::Matrix3f> linear;
+                const SurfacePose pose = deformer->Solve(handles, DeformationParam());
+                Carrier(*deformer, pose).Apply(deformed, &linear);
+                const SampledField sampled =
+                    SampleField(view, rest, deformed, linear, {}, {}, Eigen::Matrix3d::Identity(), deformer->FreeIn());
+                EXPECT_EQ(sampled.off, 0);
+                EXPECT_EQ(sampled.stirred, 0);
+                const DeformationField field(sampled.samples);
+                // At the vertices, and off the surface.
+                moved.emplace_back(3, 2 * rest.cols());
+                for (Eigen::Index i = 0; i < rest.cols(); ++i) {
+                    moved.back().col(i) = field(rest.col(i));
+                    const Vector3d off = 0.03 * end * Vector3d(std::sin(7 * i), std::sin(11 * i), std::sin(13 * i));
+                    moved.back().col(rest.cols() + i) = field(rest.col(i) + off);
+                }
+            }
+            for (Eigen::Index i = 0; i < moved[0].cols(); ++i)
+                if (const double z = shape.position[std::size_t(i) % shape.position.size()][2] / end;
+                    z < (i < Eigen::Index(shape.position.size()) ? 0.39 : 0.35))
+                    ASSERT_EQ(moved[0].col(i), moved[1].col(i)) << "at " << z << (two ? ", beside another handle" : "");
         }
-        for (Eigen::Index i = 0; i < moved[0].cols(); ++i)
-            if (const double z = shape.position[std::size_t(i)][2] / end; z < 0.39)
-                ASSERT_EQ(moved[0].col(i), moved[1].col(i)) << "at " << z;
-    }
 }
 
 TEST(FieldSampling, MoreSamplesWhereTheToleranceAsksForThem) {

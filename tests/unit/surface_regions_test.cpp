@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/surface/cloud_parts.h>
 #include <vcg_ext/surface/loose_parts.h>
 #include <vcg_ext/surface/surface_regions.h>
 #include "test_support.h"
@@ -181,4 +182,36 @@ TEST(FindRegions, JoinsTheSmallestWhereThereAreVeryMany) {
             area[std::size_t(region)] += double(surface.nodeArea[std::size_t(u)]);
     for (std::size_t r = 1; r + 1 < area.size(); ++r)
         EXPECT_LE(area[r], area[r - 1]);
+}
+
+TEST(CloudParts, GiveAllThatIsInReach) {
+    const Shape cloud = Points(Sphere(60, 60));
+    const Arrays arrays = Read(MeshD(cloud));
+    const SurfaceView view(arrays);
+    const auto isLive = [](std::size_t i) { return i % 7 != 3; };
+    Eigen::Matrix3d metric = Eigen::Matrix3d::Identity();
+    metric(0, 1) = 0.5;
+    const detail::CloudParts parts(view, isLive, metric, {});
+    std::vector<std::uint32_t> some;
+    for (std::uint32_t i = 0; i < view.vertexSlots; ++i)
+        if (isLive(i) && view.At(i)[2] > 0.9)
+            some.push_back(i);
+    bool isPart = false;
+    double reach = 0;
+    for (int rings = 0; std::isfinite(reach); rings *= 2) {
+        const std::vector<std::uint32_t> around = parts.Around(some, 20, rings, reach);
+        isPart |= around.size() < cloud.position.size() / 2;
+        EXPECT_TRUE(std::is_sorted(around.begin(), around.end()));
+        EXPECT_GT(rings, 0);
+        for (std::uint32_t i = 0; i < view.vertexSlots; ++i) {
+            const bool isNear = std::any_of(some.begin(), some.end(), [&](std::uint32_t j) {
+                return (metric * (view.At(i) - view.At(j))).norm() <= reach;
+            });
+            if (std::binary_search(around.begin(), around.end(), i))
+                EXPECT_TRUE(isLive(i));
+            else
+                EXPECT_FALSE(isLive(i) && isNear);
+        }
+    }
+    EXPECT_TRUE(isPart);
 }

@@ -31,7 +31,7 @@ class FieldSampler {
   public:
     FieldSampler(const SurfaceGraph &surface, std::vector<std::array<Index, 3>> face, const Eigen::Matrix3Xd &rest,
                  const Eigen::Matrix3Xd &deformed, const std::vector<Eigen::Matrix3f> &linear,
-                 const std::vector<Index> &regionOf, const FieldParam &param, const Progress &progress)
+                 const std::vector<Index> &regionOf, const FieldParam &param)
         : surface(surface), face(std::move(face)), rest(rest), deformed(deformed), linear(linear), param(param),
           pieces(1) {
         const std::size_t slotCount = surface.nodeOf.size();
@@ -51,17 +51,16 @@ class FieldSampler {
             }
             if (slotOf[std::size_t(node)] < 0)
                 slotOf[std::size_t(node)] = Index(i);
-            if (!regionOf.empty() && regionOf[i] >= 0)
-                pieceOf[std::size_t(node)] = 1 + regionOf[i];
+            if (Index &piece = pieceOf[std::size_t(node)]; !regionOf.empty() && (regionOf[i] >= 0 || piece == 0))
+                piece = regionOf[i] < 0 ? regionOf[i] : 1 + regionOf[i];
             if (!Rests(i))
                 rests[std::size_t(node)] = 0;
         }
-        const std::size_t regions = std::size_t(*std::max_element(pieceOf.begin(), pieceOf.end()));
-        if (!regionOf.empty())
-            NumberOthers(rests, progress);
+        const Index regions = std::max(Index(0), *std::max_element(pieceOf.begin(), pieceOf.end()));
+        NumberOthers(rests, 1 + regions);
         pieces.resize(std::size_t(1) + std::size_t(*std::max_element(pieceOf.begin(), pieceOf.end())));
         FindAccuracy();
-        PutSeeds(rests, regions);
+        PutSeeds(rests, std::size_t(regions));
     }
 
     /// The dual of the patches around the samples: a triangle where three of them meet in a face, an edge or a point
@@ -195,7 +194,7 @@ class FieldSampler {
     }
 
   private:
-    /// A region, a part that moves and is in none, as a handle, or, the first, all else.
+    /// A region, a part of a handle or a loose part that moves, or, the first, all else.
     struct Piece {
         double accuracy = 0;
         bool isNearby = false; ///< compared only where samples were added
@@ -204,14 +203,23 @@ class FieldSampler {
 
     std::size_t PieceOf(Index node) const { return std::size_t(pieceOf[std::size_t(node)]); }
 
-    void NumberOthers(const std::vector<char> &rests, const Progress &progress) {
-        std::vector<Index> part;
-        const auto isOther = [&](Index u) { return pieceOf[std::size_t(u)] == 0 && !rests[std::size_t(u)]; };
-        ConnectedComponents(surface.graph.adjacency, isOther, part, progress, "Sampling");
-        const Index first = 1 + *std::max_element(pieceOf.begin(), pieceOf.end());
-        for (std::size_t u = 0; u < part.size(); ++u)
-            if (part[u] >= 0)
-                pieceOf[u] = first + part[u];
+    /// Numbers the pieces of what moves and is in no region, from \p next on. What is held by another handle is another
+    /// one, so that each is what it is where the other does not move.
+    void NumberOthers(const std::vector<char> &rests, Index next) {
+        const auto isOther = [&](Index u) { return pieceOf[std::size_t(u)] < 0 && !rests[std::size_t(u)]; };
+        DisjointSets joined(surface.graph.Size());
+        for (Index u = 0; u < surface.graph.Size(); ++u)
+            if (isOther(u))
+                for (Index v : surface.graph.adjacency[u])
+                    if (v < u && isOther(v) && pieceOf[std::size_t(v)] == pieceOf[std::size_t(u)])
+                        joined.Join(u, v);
+        const std::vector<Index> root = joined.TakeRoots(); // the first of its nodes
+        for (Index u = 0; u < Index(root.size()); ++u)
+            if (isOther(u))
+                pieceOf[std::size_t(u)] =
+                    root[std::size_t(u)] == u ? next++ : pieceOf[std::size_t(root[std::size_t(u)])];
+            else
+                pieceOf[std::size_t(u)] = std::max(pieceOf[std::size_t(u)], Index(0));
     }
 
     void FindAccuracy() {
@@ -243,12 +251,9 @@ class FieldSampler {
         // rests farther away, and none of two pieces but what joins their walls.
         isSeed.assign(rests.size(), 0);
         std::vector<std::vector<Index>> moving(pieces.size()); // nodes
-        std::vector<float> restingArea(surface.nodeArea);
         for (Index u = 0; u < Index(rests.size()); ++u) {
-            if (!rests[std::size_t(u)]) {
-                restingArea[std::size_t(u)] = 0;
+            if (!rests[std::size_t(u)])
                 moving[PieceOf(u)].push_back(u);
-            }
             for (Index v : surface.graph.adjacency[u])
                 isSeed[std::size_t(u)] |=
                     char((rests[std::size_t(u)] && !rests[std::size_t(v)]) || PieceOf(u) != PieceOf(v));
@@ -266,8 +271,9 @@ class FieldSampler {
             for (Index k : RandomSample(area, std::min(param.moving, most), 1))
                 isSeed[std::size_t(nodes[std::size_t(k)])] = 1;
         }
-        for (Index u : RandomSample(restingArea, param.resting, 1))
-            isSeed[std::size_t(u)] = 1;
+        // Of those of all the surface, so that they are where they are whatever else moves.
+        for (Index u : RandomSample(surface.nodeArea, param.resting, 1))
+            isSeed[std::size_t(u)] |= rests[std::size_t(u)];
     }
 
     /// Compares at the vertices, and counts.

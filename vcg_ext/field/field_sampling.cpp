@@ -136,8 +136,7 @@ SampledField SampleField(const SurfaceView &mesh, const Eigen::Matrix3Xd &rest, 
     for (std::size_t f = 0; f < mesh.faces; ++f)
         if (mesh.IsFace(f))
             face.push_back({Index(mesh.corner[3 * f]), Index(mesh.corner[3 * f + 1]), Index(mesh.corner[3 * f + 2])});
-    detail::FieldSampler sampler(surface, std::move(face), rest, deformed, linear, regionOf, param,
-                                 progress.Slice(0.2, 0.2));
+    detail::FieldSampler sampler(surface, std::move(face), rest, deformed, linear, regionOf, param);
     SampledField result;
     result.accuracy = sampler.Accuracy();
     double from = 0.2;

@@ -12,7 +12,7 @@ namespace vcg::fcd {
 /// How a deformation is sampled.
 struct FieldParam {
     Index moving = 4000;  ///< samples to begin with where a region moves, or what is in none, >= 1
-    Index resting = 1000; ///< and where it rests
+    Index resting = 1000; ///< and of all the surface, those of them where it rests
     /// Most that a vertex may be off, units of the positions, >= 0. 0: a fiftieth of the largest motion, which is less
     /// than the discretisation leaves, and at most a ten-thousandth of the diagonal of the box of what moves, of each
     /// region.
@@ -37,12 +37,10 @@ struct SampledField {
 /// that rests does so to the bit, or until there are very many. Vertices at one place that move differently cannot be
 /// told apart. \param mesh its faces are read (none: a cloud); its own positions only tell which vertices lie at one
 /// place \param rest 3 x vertex slots \param deformed 3 x vertex slots \param linear one per slot: how the surface
-/// turns and
-///        stretches there \param metric the linear part of the map from the mesh's coordinates to those
-/// \param regionOf one per slot: the region that it is free in, -1 for none (MovingSurface::FreeIn); empty: all in
-/// none.
-///        What is sampled of a region depends on nothing else, unless another one is so near that it had to be told
-///        from it
+/// turns and stretches there \param metric the linear part of the map from the mesh's coordinates to those
+/// \param regionOf one per slot: the region that it is free in; below 0 in none, alike where it moves as one
+///        (MovingSurface::FreeIn); empty: all is one. A point then gets the same bits whatever else moves, unless what
+///        else moves, or rests beside that, is the nearest to it or so near that it had to be told apart
 /// \throw BadInput no vertices, a coordinate that is not finite, or an accuracy below 0 or not finite \throw Cancelled
 SampledField SampleField(const SurfaceView &mesh, const Eigen::Matrix3Xd &rest, const Eigen::Matrix3Xd &deformed,
                          const std::vector<Eigen::Matrix3f> &linear, const FieldParam &param = {},

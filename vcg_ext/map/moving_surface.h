@@ -59,9 +59,12 @@ struct MovingSurface {
         return {regions[number].get(), number, nodeOf[slot]};
     }
 
-    /// Per vertex slot: the region that it is free in, -1 for none.
+    /// Per vertex slot: the region that it is free in, or, where it is in none, -1 less its tag.
     std::vector<Index> FreeIn() const {
-        std::vector<Index> region(slotTag.size(), -1);
+        std::vector<Index> region;
+        region.reserve(slotTag.size());
+        for (int tag : slotTag)
+            region.push_back(-1 - std::max(0, tag));
         for (std::size_t r = 0; r < regions.size(); ++r)
             for (const MovingRegion::Bent &vertex : regions[r]->bent)
                 region[vertex.slot] = Index(r);

@@ -16,6 +16,7 @@
 #include <array>
 #include <atomic>
 #include <cassert>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <utility>
@@ -57,7 +58,8 @@ class RegionFinder {
 
     /// Reaches the free points of a cloud and the nearest places of each: those that are its neighbours, or that are
     /// looked at to find them. Points at one place, or a hair from it, are one.
-    void ReachNearest(const Eigen::Matrix3d &metric, const Progress &progress) {
+    /// \param placesOfAll as of FreeRegion
+    void ReachNearest(const Eigen::Matrix3d &metric, const Eigen::AlignedBox3d &placesOfAll, const Progress &progress) {
         Frame world;
         world.SetMetric(metric);
         const auto isLive = [&](std::size_t i) { return bool(Is(i, live)); };
@@ -65,12 +67,15 @@ class RegionFinder {
         const detail::VertexChunks chunks = detail::FindVertices(mesh, isLive, world, progress.Slice(0, 0));
         Eigen::AlignedBox3d ofFree = detail::FindVertices(mesh, isFree, world, progress.Slice(0, 0)).box;
         const std::size_t n = chunks.Live();
+        const bool isPart = !placesOfAll.isEmpty();
+        region.reach = isPart ? INFINITY : 0;
         if (n < 2 || ofFree.isEmpty())
             return;
         // Strays are left to the cells at the ends: else all others would be in a few.
-        const Eigen::AlignedBox3d box = detail::WithoutStrays(chunks.box, n, [&](std::size_t k) {
-            return Eigen::Vector3d(metric * mesh.At(detail::SlotOf(k, chunks.begin, isLive)));
-        });
+        const auto at = [&](std::size_t k) -> Eigen::Vector3d {
+            return metric * mesh.At(detail::SlotOf(k, chunks.begin, isLive));
+        };
+        const Eigen::AlignedBox3d box = isPart ? placesOfAll : detail::WithoutStrays(chunks.box, n, at);
         if (const Eigen::AlignedBox3d near = ofFree.intersection(box); !near.isEmpty())
             ofFree = near;
         // Points that become one (SurfaceGraph) lie within some hairs, mostly in one of these cells.
@@ -144,7 +149,9 @@ class RegionFinder {
                 has[place] = of;
             }
         });
-        ReachAround(point, has.get(), reachPlace, progress.Slice(0.1, 1));
+        ReachAround(point, has.get(), reachPlace, progress.Slice(0.1, 0.9));
+        if (isPart)
+            region.reach = ReachOf(point, has.get(), progress.Slice(0.9, 1)) + 2 * cell; // a place's points are in one
     }
 
     /// Reaches the vertices of faces and edge elements that have a free one.
@@ -268,6 +275,27 @@ class RegionFinder {
                     });
     }
 
+    /// How far from a free place the farthest place is that is looked at, at most. \param point, has as of ReachAround
+    static double ReachOf(const Eigen::Matrix3Xd &point, const char *has, const Progress &progress) {
+        const std::size_t wanted = detail::CloudNeighbourhood<double>::most + 1; // and the place itself
+        const PointTree<double> blocks(point, progress.threads);
+        std::vector<double> reach(blocks.Blocks(), blocks.Size() < wanted ? INFINITY : 0);
+        ParallelFor(progress, detail::findingNeighbours, reach.size(), 64, [&](std::size_t first, std::size_t last) {
+            std::vector<PointTree<double>::Neighbour> nearest;
+            for (std::size_t b = first; b < last; ++b) {
+                Eigen::AlignedBox3d free;
+                for (std::size_t k = blocks.Begin(b); k < blocks.Begin(b + 1); ++k)
+                    if (has[blocks.Number(k)] & hasFree)
+                        free.extend(Eigen::Vector3d(point.col(blocks.Number(k))));
+                if (free.isEmpty() || reach[b] > 0)
+                    continue;
+                blocks.Nearest(free.center(), wanted, nearest, b);
+                reach[b] = std::sqrt(nearest.back().square) + 0.5 * free.diagonal().norm();
+            }
+        });
+        return *std::max_element(reach.begin(), reach.end());
+    }
+
     static constexpr std::size_t grain = detail::VertexChunks::grain;
     static_assert(grain % Region::boxed == 0, "one thread a box");
     // A byte a vertex: what it is, whether a free neighbour or itself being one makes it part of the region, and, so
@@ -306,12 +334,12 @@ class RegionFinder {
 } // namespace
 
 Region FreeRegion(const SurfaceView &mesh, const std::vector<int> &tag, const Eigen::Matrix3d &metric,
-                  const Progress &progress) {
+                  const Progress &progress, const Eigen::AlignedBox3d &places) {
     assert(tag.size() == mesh.vertexSlots);
     RegionFinder finder(mesh, tag);
     finder.Classify(progress.Slice(0, 0.1));
     if (mesh.isCloud)
-        finder.ReachNearest(metric, progress.Slice(0.1, 0.9));
+        finder.ReachNearest(metric, places, progress.Slice(0.1, 0.9));
     else
         finder.ReachAlongElements(progress.Slice(0.1, 0.9));
     return finder.TakeRegion(progress.Slice(0.9, 1));

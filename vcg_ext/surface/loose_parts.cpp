@@ -101,11 +101,12 @@ void NumberPlaces(LooseFollowing &following) {
 } // namespace
 
 SurfaceGraph ReadFreeSurface(const SurfaceView &mesh, const std::vector<int> &tag, const Eigen::Matrix3d &metric,
-                             const Progress &progress, double weldDistance) {
-    Region region = FreeRegion(mesh, tag, metric, progress.Slice(0, 0.2));
+                             const Progress &progress, double weldDistance, const Eigen::AlignedBox3d &places) {
+    Region region = FreeRegion(mesh, tag, metric, progress.Slice(0, 0.2), places);
     SurfaceGraph surface = BuildSurfaceGraph(mesh, &region, tag, metric, progress.Slice(0.2, 1), weldDistance);
     surface.faces = std::move(region.faces);
     surface.apart = std::move(region.apart);
+    surface.reach = region.reach;
     return surface;
 }
 

@@ -21,9 +21,10 @@ struct LooseSurface {
     bool isPartOfSurface = false; ///< some loose part has nodes in the surface that it was found in
 };
 
-/// The free surface of a mesh and the held vertices beside it. \param tag as of FreeRegion
+/// The free surface of a mesh and the held vertices beside it. \param tag, places as of FreeRegion
 SurfaceGraph ReadFreeSurface(const SurfaceView &mesh, const std::vector<int> &tag, const Eigen::Matrix3d &metric,
-                             const Progress &progress, double weldDistance = defaultWeldDistance);
+                             const Progress &progress, double weldDistance = defaultWeldDistance,
+                             const Eigen::AlignedBox3d &places = {});
 
 /// The loose parts of a surface. \param slotTag one per vertex slot, noVertex where it is not read
 /// \param point slots of point handles \param components of \p surface

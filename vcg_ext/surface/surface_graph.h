@@ -54,6 +54,7 @@ struct SurfaceGraph {
     std::vector<float> nodeArea; ///< n, of the surface around each node, frame units^2
     double area = 0;             ///< sum of nodeArea
     double averageEdge = 0;      ///< mean length of the graph's edges, frame units
+    double reach = 0;            ///< as of Region
     SurfaceReport report;        ///< components is left 0
 
     bool IsHeld(Index u) const { return !tag.empty() && tag[u] != 1; }

@@ -4,6 +4,7 @@
 
 #include <vcg_ext/surface/surface_graph.h>
 
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -47,6 +48,7 @@ struct RegionSource {
     std::vector<std::uint32_t> faceOf; ///< of each face, as slotOf
     std::vector<std::size_t> point;    ///< slots of the point handles in it
     bool isOne = false;                ///< the free surface is one region, connected or not
+    Eigen::AlignedBox3d places;        ///< of a part of a cloud: as of FreeRegion
 
     std::uint32_t InMesh(std::size_t slot) const { return slotOf.empty() ? std::uint32_t(slot) : slotOf[slot]; }
     /// The slot that one of the whole mesh has, or that of none: the number of slots.
