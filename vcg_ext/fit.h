@@ -122,6 +122,8 @@ struct FitReport {
     double turnedBy =
         0; ///< radians: it came out strained where it lay, and far less so after it was turned by its axes
     double scaledBy = 1;       ///< and scaled, before the fit
+    double strained = 0;       ///< what its edges change by, rms, of their lengths; 0 unless it is so much that the
+                               ///< layers may lie turned, and no other start was found
     bool otherSize = false;    ///< so much larger, or smaller, that the fit is not to be trusted
     bool mirrored = false;     ///< the target is the surface's mirror image, or its faces look inwards as of one
     bool flat = false;         ///< the target is a plane, and the surface is none

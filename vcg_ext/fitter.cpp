@@ -285,6 +285,7 @@ Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark
         } else {
             graph = there;
             matches = std::move(with);
+            report.strained = strained;
         }
     }
     if (isTried) { // a landmark that the target bears out leads more of the surface onto it

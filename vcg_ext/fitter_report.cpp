@@ -148,6 +148,10 @@ std::vector<std::string> FitReport::TargetRemarks() const {
                           (isScaled ? ", scaled by " + Rounded(scaledBy) : "") +
                           ", as it fits with far less strain so. Look at it; if that is wrong, give landmarks and "
                           "start from these.");
+    if (strained > 0)
+        remarks.push_back("To lie on the target, the surface is stretched and pressed by " + Rounded(100 * strained) +
+                          " percent (rms). Look at it: the two may lie turned to each other. If they do, turn one of "
+                          "them, or give landmarks and start from these.");
     if (mirrored)
         remarks.emplace_back("The target looks like the mirror image of the surface. If it is, mirror one of the two "
                              "first: negate one coordinate, and turn its faces over.");

@@ -891,6 +891,17 @@ TEST(Fit, BeginsTurnedOrScaledByItself) {
     }
 }
 
+// What no start lays there without strain.
+TEST(Fit, TellsWhereAllIsStrained) {
+    const Shape ball = Ball(Vector3d::Zero(), 1), rod = Moved(ball, Eigen::Affine3d(Eigen::Scaling(0.3, 0.3, 3.0)));
+    const Fitted strained = Fit(rod, ball),
+                 fitting = Fit(ball, Moved(ball, Eigen::Affine3d(Eigen::Scaling(1.0, 1.1, 1.0))));
+    EXPECT_GT(strained.report.strained, 0.25);
+    EXPECT_NE(Joined(strained.report.Remarks()).find("stretched and pressed by"), std::string::npos);
+    EXPECT_EQ(fitting.report.strained, 0);
+    EXPECT_EQ(Joined(fitting.report.Remarks()).find("stretched and pressed"), std::string::npos);
+}
+
 TEST(Fit, TellsOtherUnitsAndMirrorImages) {
     FitParam param = Small();
     param.fitSteps = 5;
