@@ -430,7 +430,7 @@ def test_marks_of_the_tool_then_tags_of_the_filter(window, tmp_path):
     w.toggle_tool()
     assert w.save("marked.ply").read_bytes() == before
     filters.select("x > 0.6")
-    filters.tag("End", "Up") # handle
+    filters.tag("Home", "Down", "Down") # handle
     filters.back()
     _, tags, shown = layer_of(w.save("tagged.ply"))
     assert np.array_equal(tags, expected) and len(np.unique(shown, axis=0)) == 3 # with what the tool has marked
