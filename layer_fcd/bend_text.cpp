@@ -120,6 +120,8 @@ class BendTextReader : public vcg::fcd::detail::TextReader {
     /// Vertices get a value, which they have not yet. \param none what they have then
     template <class Value>
     void readRanges(std::vector<Value> &values, Value value, Value none) {
+        if (value == none) // and could be said of all of them in each line
+            Fail("vertices of tag 1 have no mark");
         values.resize(vertexSlots, none);
         while (!isAtEnd()) {
             const std::size_t first = vertex(), last = vertex(first);

@@ -13,6 +13,7 @@
 ///
 ///     FCD bend 1
 ///     smoothness S            options, as BendOptions has them; enumerations by their numbers
+///     falloff N               left out where it is smooth
 ///     detail N
 ///     distances N
 ///     symmetry N

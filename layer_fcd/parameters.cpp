@@ -49,9 +49,14 @@ void TagParam::validate() const {
                     "; handles are numbered from 2 (0 is the tag of fixed vertices, 1 that of free ones).");
     if (role == FromFile && tagFile.isEmpty())
         throw Error("tag_file is empty. Give the .sel file with one tag per vertex.");
-    if (!save.tagFile.isEmpty() && !save.transformFile.isEmpty())
-        save.validate();
-    else if (role == AsTheyAre && save.tagFile.isEmpty() && save.transformFile.isEmpty())
+    const auto expectOther = [&](const char *name, const QString &file) {
+        if (!file.isEmpty() && !save.transformFile.isEmpty() && isSameFile(file, save.transformFile))
+            throw Error(std::string(name) + " and save_transform_file are the same file. Give two different files.");
+    };
+    expectOther("save_tag_file", save.tagFile);
+    if (role == FromFile)
+        expectOther("tag_file", tagFile);
+    if (role == AsTheyAre && save.tagFile.isEmpty() && save.transformFile.isEmpty())
         throw Error("There is nothing to do: say what the selection becomes, or give a file to write.");
 }
 

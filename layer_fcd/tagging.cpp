@@ -159,14 +159,17 @@ std::vector<int> withSelection(const MeshModel &layer, const TagParam &param) {
 }
 
 std::vector<int> tagsFor(const MeshModel &layer, const TagParam &param) {
-    if (param.role == TagParam::AsTheyAre)
-        return presentTags(layer, param.target);
-    if (param.role != TagParam::FromFile)
-        return withSelection(layer, param);
     HandleParam source;
-    source.source = HandleParam::Files;
-    source.tagFile = param.tagFile;
-    return readTags(layer, source);
+    if (param.role == TagParam::FromFile) {
+        source.source = HandleParam::Files;
+        source.tagFile = param.tagFile;
+    } else if (param.role != TagParam::AsTheyAre) {
+        return withSelection(layer, param);
+    } else if (!param.target.attribute.isEmpty()) {
+        source.source = HandleParam::Attribute;
+        source.tagAttribute = param.target.attribute;
+    }
+    return readTags(layer, source); // and no file of tags that nobody has made
 }
 
 /// Matrices of handles 2, 3, ... as a file has them.

@@ -1974,7 +1974,10 @@ def test_one_filter_does_what_its_parts_do(tmp_path, attribute):
     (dict(role=2, handle_number=1), "handle_number is 1"), (dict(role=2), "Nothing is selected"),
     (dict(role=2, selected=True, save_tag_file="no/such/folder/t.sel"), "no/such/folder"),
     (dict(role=0, selected=True, save_transform_file="t.def"), "No vertex belongs to a handle"),
-    (dict(role=2, selected=True, save_tag_file="t.sel", save_transform_file="t.sel"), "are the same file"),
+    (dict(role=2, selected=True, save_tag_file="t.sel", save_transform_file="t.sel"), "save_tag_file and save_transform_file are the same file"),
+    (dict(role=4, tag_file="t.sel", save_transform_file="./t.sel"), "tag_file and save_transform_file are the same file"),
+    (dict(role=5, save_tag_file="t.sel"), "nobody has tagged"),
+    (dict(role=5, save_tag_file="t.sel", tag_attribute="misspelt"), "no vertex attribute 'misspelt'"),
     (dict(role=2, selected=True, save_transform_file="t.def", transforms="2: turn"), "turn")])
 def test_tags_that_cannot_be_made_or_saved_change_nothing(tmp_path, monkeypatch, given, message):
     monkeypatch.chdir(tmp_path)

@@ -369,6 +369,7 @@ def test_what_the_tool_knows_goes_through_filters(tmp_path):
     ("FCD bend 1\npose 50\nbend 2\n", "line 3: expected an option, or what is known of a handle, found 'bend'"),
     ("FCD bend 1\npose 201\n", "line 2: expected a percentage from 0 to 200, found '201'"),
     ("FCD bend 1\npoint 2 1000000 0.1\n", "line 2: expected a vertex of the layer, found '1000000'"),
+    ("FCD bend 1\nmark 1 0 5\n", "line 2: vertices of tag 1 have no mark"),
     ("FCD bend 1\n\nmotions 2: turn\n", "line 3: motions that cannot be"), ("FCD bend 1\npose 50 60\n", "line 2: expected the end of the line, found '60'")])
 def test_a_text_that_the_tool_would_refuse_is_refused(tmp_path, state, what):
     ms, _, _ = posed()

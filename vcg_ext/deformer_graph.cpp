@@ -72,10 +72,12 @@ void RegionDeformer::MakeGraph(const ReadRegion &read, int count, bool rough, Ke
 }
 
 std::vector<Index> RegionDeformer::PartOfNodes() const {
-    std::vector<Index> part = patches.tag;
-    for (Index &tag : part)
-        if (const Index before = held.Original(tag); before >= 0) // not a point
-            tag = before;
+    std::vector<Index> part;
+    part.reserve(patches.center.size());
+    for (Index center : patches.center) { // a patch around a small held part is of its tag, though it is open
+        const Index tag = held.tag[std::size_t(center)], before = held.Original(tag);
+        part.push_back(before >= 0 ? before : tag); // of a point, its own
+    }
     return part;
 }
 

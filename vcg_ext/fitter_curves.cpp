@@ -98,7 +98,7 @@ CurveLead Fitter::LeadAlong(const std::vector<CurvePair> &pairs, const std::stri
         const AlongLine &along = all[c];
         const CurvePair &pair = pairs[c];
         std::string where = "the curve " + detail::Excerpt(pair.name, 0, pair.name.size());
-        if (!pair.sourceLine.empty())
+        if (along.corner < pair.sourceLine.size()) // or some of the corners are from elsewhere
             where = "'" + pair.file + "', line " + std::to_string(pair.sourceLine[along.corner]) + ": " + where;
         if (along.isElsewhere) {
             std::ostringstream far;

@@ -176,6 +176,8 @@ def test_curves_of_a_file_lead_as_those_that_are_given(fitter, tmp_path):
         fitter.fit(TARGET, TARGET_FACES, curves=read_curves(path))
     with pytest.raises(ValueError, match="^the curve 'far' is"):
         fitter.fit(TARGET, TARGET_FACES, curves=[Curve("far", *lines[1])])
+    with pytest.raises(ValueError, match="^the curve '0' is"):  # whose last corner the file does not have
+        fitter.fit(TARGET, TARGET_FACES, curves=[dataclasses.replace(read[0], source=np.append(read[0].source, lines[1][0][3:4], 0))])
     for text, message in (("curve,x\n", "line 1: expected the first row"), (curve_table(lines).replace("source", "sauce"), "line 2: expected source or target"),
                           ("curve,surface,x,y,z\na,source,0,0,0\n", "needs corners at two places of the source"), ("\0", "zero byte")):
         path.write_text(text)

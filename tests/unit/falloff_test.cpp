@@ -108,6 +108,36 @@ TEST(Falloff, BetweenTwoHandlesBothEndsAreAlike) {
     EXPECT_LT(profile[profile.size() * 9 / 10], smooth[profile.size() * 9 / 10] - 0.02); // it bends at the handles
 }
 
+TEST(Falloff, AHandleOfOneVertexAndAPointFadeAsALargeOneDoes) {
+    constexpr int n = 41, middle = n / 2;
+    const Shape sheet = Grid(n, n, 0.1);
+    const std::size_t lifted = middle * n + middle;
+    Eigen::Affine3d motion = Eigen::Affine3d::Identity();
+    motion.translation()[2] = 1;
+    for (const bool isPoint : {false, true}) {
+        std::map<Falloff, double> half; // how high the sheet is half way to its border
+        for (const auto &each : ideals) {
+            Handles handles;
+            handles.tag = TagsOf(sheet, [&](const Vector3d &p) {
+                return std::min({p[0], p[1], 4 - p[0], 4 - p[1]}) < 1e-3 ? 0 : 1;
+            });
+            if (isPoint) {
+                handles.point.push_back({lifted, Vector3d(sheet.position[lifted] + Vector3d::UnitZ())});
+            } else {
+                handles.tag[lifted] = 2;
+                handles.motion[2] = Motion(motion.matrix());
+            }
+            DeformationParam param;
+            param.falloff = each.first;
+            const Arrays arrays = Read(MeshD(sheet));
+            const DeformationResult result = DeformSurface(SurfaceView(arrays), {}, handles, param, Threads(2));
+            half[each.first] = result.position(2, Eigen::Index(middle * n + middle / 2));
+        }
+        EXPECT_LT(half[Falloff::Sharp], half[Falloff::Smooth] - 0.1) << isPoint;
+        EXPECT_GT(half[Falloff::Constant], half[Falloff::Smooth] + 0.1) << isPoint;
+    }
+}
+
 TEST(Falloff, SmoothLeavesAllWeights) {
     Rig rig(Tube(24, 24), 0.6, [](const Vector3d &p) { return TubeTag(p); });
     const std::vector<float> before = rig.graph.weight;

@@ -215,3 +215,16 @@ TEST(CloudParts, GiveAllThatIsInReach) {
     }
     EXPECT_TRUE(isPart);
 }
+
+TEST(CloudParts, ReachBeyondTheNeighboursAlsoOnAPlaneAndALine) {
+    for (const auto &[nx, ny] : {std::pair(100, 100), std::pair(10000, 1)}) {
+        const Arrays arrays = Read(MeshD(Points(Grid(nx, ny)))); // one apart
+        const SurfaceView view(arrays);
+        const detail::CloudParts parts(view, [](std::size_t) { return true; }, Eigen::Matrix3d::Identity(), {});
+        int rings = 0;
+        double reach = 0;
+        const std::vector<std::uint32_t> around = parts.Around({0, 1, 2, 3, 4, 5, 6, 7}, 8, rings, reach);
+        EXPECT_GT(reach, 1.5);
+        EXPECT_LT(around.size(), 1000U);
+    }
+}

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <vector>
@@ -30,12 +31,16 @@ class CloudParts {
         const auto live = double(chunks.Live());
         places = WithoutStrays(chunks.box, chunks.Live(),
                                [&](std::size_t k) { return At(SlotOf(k, chunks.begin, isLive)); });
-        // About as many as points, most of which are empty, as points lie on a surface.
-        const Eigen::Array3d size = places.sizes().array().max(1e-6 * places.sizes().maxCoeff());
-        width =
-            std::max(Power(std::max(size[0] / live * size[1] * size[2], 1e-300), 1.0 / 3), size.maxCoeff() / (1 << 10));
-        width = width > 0 ? width : 1;
-        across = (size / width).ceil().cast<int>().max(1);
+        // At most about as many as points, also where these lie in a plane or along a line. Most are empty else, as
+        // points lie on a surface.
+        Eigen::Array3d size = places.sizes();
+        std::sort(size.data(), size.data() + 3, std::greater<>());
+        width = std::max({Power(std::max(size[0] / live * size[1] * size[2], 1e-300), 1.0 / 3),
+                          std::sqrt(size[0] / live * size[1]), size[0] / (1 << 10)});
+        if (width > 0 && width <= std::numeric_limits<double>::max())
+            across = (places.sizes().array() / width).ceil().cast<int>().max(1);
+        else // at one place, or so far apart that the way is no number
+            width = std::numeric_limits<double>::max();
         std::vector<std::uint32_t> cell;
         const auto cells = std::uint32_t(across.prod());
         AssignLarge(cell, mesh.vertexSlots, cells);
@@ -139,7 +144,7 @@ class CloudParts {
     const SurfaceView &mesh;
     const Eigen::Matrix3d metric;
     double width = 1;                        ///< of a cell, world units
-    Cell across;                             ///< how many cells
+    Cell across = Cell::Ones();              ///< how many cells
     std::vector<std::uint32_t> begin, slots; ///< of each cell, and of what is not read
 };
 
