@@ -206,8 +206,14 @@ class Window:
     def save(self, name, by_menu=False):
         path = self.folder / name
         if by_menu:
-            self.do("mousemove", 36, 29, "click", 1, "sleep", 1) # File: a busy machine takes a while to open it
-            self.click((110, 230)) # Export Mesh As
+            for _ in range(5): # a busy machine loses a click at times
+                self.do("mousemove", 36, 29, "click", 1, "sleep", 1) # File: it takes a while to open
+                self.click((110, 230)) # Export Mesh As
+                end = time.time() + 10
+                while time.time() < end and not self.title().startswith("Save"):
+                    time.sleep(0.1)
+                if self.title().startswith("Save"):
+                    break
         else:
             self.key("ctrl+shift+e")
         asked = self.wait_for_title("Save")
