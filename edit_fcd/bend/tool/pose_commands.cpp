@@ -70,17 +70,18 @@ void BendTool::connectPoses() {
         if (ScrubInteraction *going = scrub())
             going->end();
     });
-    const auto set = [this](int row, double time, std::optional<int> easing) {
+    const auto set = [this](int row, double time, std::optional<vcg::fcd::Easing> easing) {
         changeFrame(row, [&] {
             session->change();
             std::vector<vcg::fcd::KeyFrame> frames = keyFrames(session->state());
             frames[std::size_t(row)].time = time;
             if (easing)
-                frames[std::size_t(row)].easing = vcg::fcd::Easing(*easing);
+                frames[std::size_t(row)].easing = *easing;
             session->setPoses(withKeyFrames(*session->state().poses, std::move(frames)));
         });
     };
-    when(frames, &BendKeyList::edited, [set](int row, double time, int easing) { set(row, time, easing); });
+    when(frames, &BendKeyList::edited,
+         [set](int row, double time, int easing) { set(row, time, vcg::fcd::Easing(easing)); });
     when(bar, &BendTimeline::keyMoved, [set](int row, double time) { set(row, time, {}); });
     when(frames, &BendKeyList::removed, [this](int row) {
         changeFrame(row, [&] {
