@@ -176,14 +176,12 @@ QString FilterFcd::filterInfo(int id) const {
                "them.";
     case SaveTags:
         return "For scripts of before: writes the tags of the vertices to a .sel file and, if wanted, the motions of "
-               "the "
-               "handles to a .def file, as 'FCD: Tag' does. The layer is not changed.";
+               "the handles to a .def file, as 'FCD: Tag' does. The layer is not changed.";
     case SaveSession:
         return "Writes what no mesh file keeps of the current layer, to go on another day: its marks, the colours and "
                "the quality under the tags, its rest shapes, its poses and key frames, its handles, motions and line "
                "in the tool 'FCD: Bend', and its pairs and options in 'FCD: Fit'. Save the layer itself, too. The "
-               "layer is not "
-               "changed.";
+               "layer is not changed.";
     case LoadSession:
         return "Reads a file of 'FCD: Save Session' for the same layer, opened from its file again: in the shape that "
                "it was saved in, or in its rest shape. Filters and tools then know what they knew. Vertices that were "

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/base/words.h> // these before Qt
-#include <vcg_ext/centroidal_deformation.h>
+#include <vcg_ext/centroidal_deformation.h> // these before Qt
 #include <vcg_ext/fit/curve_file.h>
 #include <vcg_ext/fit/fit_target.h>
 
@@ -20,11 +19,9 @@
 
 #include <algorithm>
 #include <memory>
-#include <sstream>
 
 #include <QFile>
 
-using vcg::fcd::CurvePair;
 using vcg::fcd::Deformer;
 using vcg::fcd::Error;
 using vcg::fcd::FitGoal;

@@ -458,42 +458,32 @@ def test_marks_of_the_tool_then_tags_of_the_filter(window, tmp_path):
     assert (tmp_path / "cleared.ply").read_bytes() == before
 
 
-def test_weights_of_the_panel_are_those_of_the_filter(window, tmp_path):
+def other_shape_of_the_panel(window, tmp_path, name, notches, least, call):
+    """Another choice of the panel, by so many notches of the wheel, gives another shape, which is applied; the log's call has it."""
     points, faces = tube(80, 64) # whose jagged marks make a difference
     w = window(write_ply(tmp_path / "tube.ply", points, faces))
     w.start_tool()
     mark_two_regions(w)
     w.drag((MIDDLE[0] + 180, MIDDLE[1]), (MIDDLE[0] + 120, MIDDLE[1] - 150))
-    surface = load(w.save("surface.ply"))[0]
+    usual = load(w.save("usual.ply"))[0]
     w.more()
-    w.do("mousemove", *w.place("distances"), "click", 5) # the wheel: the next choice
-    w.shot("euclidean")
+    w.do("mousemove", *w.place(name), *["click", 5] * notches)
+    w.shot(name)
     w.do("mousemove", *MIDDLE)
-    euclidean = load(w.save("euclidean.ply"))[0]
-    assert np.abs(euclidean - surface).max() > 1e-4
+    other = load(w.save("other.ply"))[0]
+    assert np.abs(other - usual).max() > least
     w.key("ctrl+shift+Return")
     w.wait("ms.apply_filter")
-    assert np.array_equal(load(w.save("bent.ply"))[0], euclidean)
-    transforms_of(w, "generate_fcd_deformed_mesh", ", weights=1, graph_layers=False")
+    assert np.array_equal(load(w.save("bent.ply"))[0], other)
+    transforms_of(w, "generate_fcd_deformed_mesh", f", {call}, graph_layers=False")
+
+
+def test_weights_of_the_panel_are_those_of_the_filter(window, tmp_path):
+    other_shape_of_the_panel(window, tmp_path, "distances", 1, 1e-4, "weights=1") # Euclidean
 
 
 def test_the_falloff_of_the_panel_is_that_of_the_method(window, tmp_path):
-    points, faces = tube(80, 64)
-    w = window(write_ply(tmp_path / "tube.ply", points, faces))
-    w.start_tool()
-    mark_two_regions(w)
-    w.drag((MIDDLE[0] + 180, MIDDLE[1]), (MIDDLE[0] + 120, MIDDLE[1] - 150))
-    smooth = load(w.save("smooth.ply"))[0]
-    w.more()
-    w.do("mousemove", *w.place("falloff"), "click", 5, "click", 5) # the wheel: sharp
-    w.shot("sharp")
-    w.do("mousemove", *MIDDLE)
-    sharp = load(w.save("sharp.ply"))[0]
-    assert np.abs(sharp - smooth).max() > 0.02
-    w.key("ctrl+shift+Return")
-    w.wait("ms.apply_filter")
-    assert np.array_equal(load(w.save("bent.ply"))[0], sharp)
-    transforms_of(w, "generate_fcd_deformed_mesh", ", falloff=2, graph_layers=False")
+    other_shape_of_the_panel(window, tmp_path, "falloff", 2, 0.02, "falloff=2") # sharp
 
 
 def marked_in(seen, plain):

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a fit begins with and ends with: its target, how that lies, and the landmarks.
-#include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/fit.h>
 #include <vcg_ext/fit/fit_contradictions.h>
 #include <vcg_ext/fit/fit_landmarks.h>
@@ -10,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
 #include <set>
 #include <sstream>
