@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The plugin inside pymeshlab. FCD_PLUGIN names the libfilter_fcd.so of this pymeshlab."""
+import ctypes
+import gc
 import os
 import struct
 from pathlib import Path
@@ -72,6 +74,25 @@ def clean_bone():
     ms.apply_filter("meshing_remove_unreferenced_vertices")
     set_quality(ms, QUALITY_TAGS)
     return ms
+
+
+class MallocInfo(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_size_t) for name in ("arena", "ordblks", "smblks", "hblks", "hblkhd", "usmblks", "fsmblks", "uordblks", "fordblks",
+                                                     "keepcost")]
+
+
+def allocated():
+    """Bytes that somebody holds. What the allocator keeps to itself, as the sanitizers' does of what is freed, is not counted."""
+    gc.collect()
+    process = ctypes.CDLL(None)
+    try:
+        call = process.__getattr__("__sanitizer_get_current_allocated_bytes")
+    except AttributeError:
+        process.mallinfo2.restype = MallocInfo
+        info = process.mallinfo2()
+        return info.uordblks + info.hblkhd
+    call.restype = ctypes.c_size_t
+    return call()
 
 
 def snapshot(mesh):

@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What tagging leaves of a layer, inside pymeshlab. FCD_PLUGIN names the libfilter_fcd.so of this pymeshlab."""
-import resource
-
 import numpy as np
 import pymeshlab
 import pytest
 
 from conftest import transformed
-from host_pymeshlab import COPY, DEFORM, POSE, RESET, SAVE, TAG, clean_bone, matrix, new_set, same_points, set_quality
+from host_pymeshlab import COPY, DEFORM, POSE, RESET, SAVE, TAG, allocated, clean_bone, matrix, new_set, same_points, set_quality
 
 CLEAR, GRAPH = "clear_fcd_tags", "generate_fcd_deformation_graph"
 BEND = dict(translation=np.array([0, 0, 0.25]), rotation_axis=np.array([0.0, 1, 0]), rotation_angle=-40.0)
@@ -455,7 +453,7 @@ def test_a_closed_layer_leaves_no_memory(close):
         ms.apply_filter("compute_selection_by_condition_per_vertex", condselect="x > 0.9")
         ms.apply_filter(TAG, role=2)
         ms.apply_filter(POSE, transforms="2: translate 0 0 0.05")
-        sizes.append(int(open("/proc/self/statm").read().split()[1]) * resource.getpagesize())
+        sizes.append(allocated())
     assert sizes[-1] - sizes[9] < 0.2 * 15 * 130 * len(points)  # of what would be left
 
 
