@@ -102,7 +102,8 @@ struct FitOptions {
     double stiffness = 1;
     vcg::fcd::FitStart start = vcg::fcd::FitStart::Similar; ///< by landmarks only where these tell a motion
     double largestDistance = 0;                             ///< world units; 0: no limit
-    /// How much the vertices count when the layer is pulled: those of the layer, and of the target; no attributes.
+    /// How much the vertices count when the layer is pulled: those of the layer, and of the target; of attributes
+    /// only FitMeshParam::paintedAttribute.
     FitMeshParam::Weights weights = FitMeshParam::AllCounts, targetWeights = FitMeshParam::AllCounts;
 
     bool operator==(const FitOptions &other) const {

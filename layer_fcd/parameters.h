@@ -89,39 +89,41 @@ struct DeformMeshParam {
 struct FitMeshParam {
     enum Quality { Input, Distance, Matched };
     enum Weights { AllCounts, WeightsQuality, WeightsSelection, WeightsAttribute };
+    /// Where the tool FCD: Fit keeps what its brush has painted.
+    static constexpr const char *paintedAttribute = "fcd_weight";
 
     const MeshModel *target = nullptr;
-    HandleParam handles;                       ///< regions that stay, or move as they are told
-    QString landmarkFile;                      ///< .csv or .pp, may be empty
-    QString targetFile;                        ///< .pp, to be matched with the other by name; may be empty
-    std::vector<vcg::fcd::Landmark> landmarks; ///< besides these
-    QString curveFile;                         ///< .csv, as vcg::fcd::ReadCurveText; may be empty
-    std::vector<vcg::fcd::CurvePair> curves;   ///< besides these
-    QString checkFile, checkTargetFile;        ///< pairs that are kept back, as of the other two; may be empty
-    bool leaveOneOut = false;                  ///< also fits without each of the landmarks
-    bool landmarksOnly = false;                ///< nothing else of the target counts
-    Weights weights = AllCounts;               ///< how much the vertices count: 0 is carried, 1 counts fully
-    Weights targetWeights = AllCounts;         ///< those of the target: 0 is as if it were not there
-    QString weightAttribute = "fcd_weight";    ///< per-vertex scalar attribute of both (WeightsAttribute)
-    vcg::fcd::FitParam fit;                    ///< without nodes
-    bool graphLayers = true;                   ///< keep the rest and the deformed graph as layers
-    Quality quality = Input;                   ///< of the fitted layer
+    HandleParam handles;                        ///< regions that stay, or move as they are told
+    QString landmarkFile;                       ///< .csv or .pp, may be empty
+    QString targetFile;                         ///< .pp, to be matched with the other by name; may be empty
+    std::vector<vcg::fcd::Landmark> landmarks;  ///< besides these
+    QString curveFile;                          ///< .csv, as vcg::fcd::ReadCurveText; may be empty
+    std::vector<vcg::fcd::CurvePair> curves;    ///< besides these
+    QString checkFile, checkTargetFile;         ///< pairs that are kept back, as of the other two; may be empty
+    bool leaveOneOut = false;                   ///< also fits without each of the landmarks
+    bool landmarksOnly = false;                 ///< nothing else of the target counts
+    Weights weights = AllCounts;                ///< how much the vertices count: 0 is carried, 1 counts fully
+    Weights targetWeights = AllCounts;          ///< those of the target: 0 is as if it were not there
+    QString weightAttribute = paintedAttribute; ///< per-vertex scalar attribute of both (WeightsAttribute)
+    vcg::fcd::FitParam fit;                     ///< without nodes
+    bool graphLayers = true;                    ///< keep the rest and the deformed graph as layers
+    Quality quality = Input;                    ///< of the fitted layer
 };
 
 /// What "FCD: Symmetrize" is asked for. All in the world.
 struct SymmetrizeParam {
     enum Quality { Input, Asymmetry, Moved, Matched };
 
-    QString pairsFile;                                       ///< .csv or .pp: left and right landmarks; may be empty
-    QString midlineFile;                                     ///< .pp, .csv or .txt: points of the plane; may be empty
-    Eigen::Vector3d planePoint = Eigen::Vector3d::Zero();    ///< on the plane of symmetry
-    Eigen::Vector3d planeNormal = Eigen::Vector3d::Zero();   ///< 0: the plane is not given
-    FitMeshParam::Weights weights = FitMeshParam::AllCounts; ///< how much the vertices count
-    QString weightAttribute = "fcd_weight";                  ///< (WeightsAttribute)
-    bool mirrorMissing = false;                              ///< also a layer with what is missing on the other side
-    vcg::fcd::FitParam fit;                                  ///< without nodes
-    bool graphLayers = true;                                 ///< keep the rest and the deformed graph as layers
-    Quality quality = Asymmetry;                             ///< of the new layer
+    QString pairsFile;                                        ///< .csv or .pp: left and right landmarks; may be empty
+    QString midlineFile;                                      ///< .pp, .csv or .txt: points of the plane; may be empty
+    Eigen::Vector3d planePoint = Eigen::Vector3d::Zero();     ///< on the plane of symmetry
+    Eigen::Vector3d planeNormal = Eigen::Vector3d::Zero();    ///< 0: the plane is not given
+    FitMeshParam::Weights weights = FitMeshParam::AllCounts;  ///< how much the vertices count
+    QString weightAttribute = FitMeshParam::paintedAttribute; ///< (WeightsAttribute)
+    bool mirrorMissing = false;                               ///< also a layer with what is missing on the other side
+    vcg::fcd::FitParam fit;                                   ///< without nodes
+    bool graphLayers = true;                                  ///< keep the rest and the deformed graph as layers
+    Quality quality = Asymmetry;                              ///< of the new layer
 };
 
 /// What "FCD: Compensate" is asked for.

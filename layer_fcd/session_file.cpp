@@ -9,6 +9,7 @@
 #include "save_files.h"
 #include "session_file.h"
 #include "session_tools.h"
+#include "weight_sources.h"
 
 #include <vcg_ext/handles/handle_file.h>
 
@@ -139,22 +140,6 @@ SessionContents contentsOf(const LayerState &state) {
     return contents;
 }
 
-/// What the tool FCD: Fit was told that does not go with the layers of a document; a list.
-std::string unfitOf(const FitToolState &fit, const MeshDocument &document, const MeshModel &layer) {
-    std::string all;
-    const auto add = [&all](const std::string &what) { all += (all.empty() ? "" : ", and ") + what; };
-    const MeshModel *target = layerNamed(fit.target, document, layer);
-    if (!fit.target.empty() && !target)
-        add("no other layer is called " + inQuotes(QString::fromStdString(fit.target)) + ", its target");
-    if (!fit.curves.empty() && !QFile::exists(QString::fromStdString(fit.curves)))
-        add("its curves are not there, " + inQuotes(QString::fromStdString(fit.curves)));
-    if (fit.options.weights == FitMeshParam::WeightsQuality && !hasQuality(layer))
-        add("this layer has no quality, which says what counts");
-    if (target && fit.options.targetWeights == FitMeshParam::WeightsQuality && !hasQuality(*target))
-        add("the target has no quality, which says what counts");
-    return all;
-}
-
 } // namespace
 
 SessionContents saveSession(const MeshModel &layer, const QString &file) {
@@ -191,7 +176,7 @@ SessionContents saveSession(const MeshModel &layer, const QString &file) {
     if (state->fit && !state->fit->pairs.empty())
         map.insert(QString("pairs"), arrayOf(state->fit->pairs, live));
     if (state->fit && state->fit->isSet())
-        map.insert(QString("fit"), mapOf(*state->fit));
+        map.insert(QString("fit"), mapOf(*state->fit, layer, live));
     const QByteArray bytes = map.toCborValue().toCbor();
     const QByteArray all = QCborMap{{QString("format"), QString(formatName)},
                                     {QString("version"), version},
@@ -265,6 +250,7 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
     if (from.has("tool"))
         next.tool = tool = std::make_shared<ToolState>(toolOf(from.in("tool"), from.has("rest"), layer, file));
     next.fit = fitOf(from, live);
+    const std::vector<float> painted = paintedOf(from, live);
 
     // The layer may be at rest, as when its scan was opened again.
     Eigen::AlignedBox3d box;
@@ -291,6 +277,8 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
     // From here on, nothing fails.
     LayerState &state = LayerState::made(document, layer);
     SessionContents contents = contentsOf(next);
+    if (!painted.empty())
+        paintWeights(layer, painted);
     if (next.fit)
         contents.unfit = unfitOf(*next.fit, document, layer);
     if (isAtRest) {

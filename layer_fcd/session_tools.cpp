@@ -4,6 +4,9 @@
 
 #include "layer_contents.h"
 #include "layer_matrix.h"
+#include "weight_sources.h"
+
+#include <QFile>
 
 using vcg::fcd::Error;
 
@@ -53,14 +56,19 @@ QCborArray arrayOf(const std::vector<FitPair> &pairs, const LiveVertices &live) 
     return array;
 }
 
-QCborMap mapOf(const FitToolState &fit) {
-    return {{QString("stiffness"), fit.options.stiffness},
-            {QString("start"), int(fit.options.start)},
-            {QString("largest_distance"), fit.options.largestDistance},
-            {QString("weights"), int(fit.options.weights)},
-            {QString("target_weights"), int(fit.options.targetWeights)},
-            {QString("target"), QString::fromStdString(fit.target)},
-            {QString("curves"), QString::fromStdString(fit.curves)}};
+QCborMap mapOf(const FitToolState &fit, const MeshModel &layer, const LiveVertices &live) {
+    QCborMap map{{QString("stiffness"), fit.options.stiffness},
+                 {QString("start"), int(fit.options.start)},
+                 {QString("largest_distance"), fit.options.largestDistance},
+                 {QString("weights"), int(fit.options.weights)},
+                 {QString("target_weights"), int(fit.options.targetWeights)},
+                 {QString("target"), QString::fromStdString(fit.target)},
+                 {QString("curves"), QString::fromStdString(fit.curves)}};
+    const bool isPainted = fit.options.weights == FitMeshParam::WeightsAttribute;
+    if (const std::vector<float> weights = isPainted ? paintedWeights(layer) : std::vector<float>(); !weights.empty())
+        map.insert(QString("painted"),
+                   live.array<double>(1, [&](std::size_t i, auto *to) { *to = double(weights[i]); }));
+    return map;
 }
 
 static std::vector<FitPair> pairsOf(const Reader &from, const char *key, const LiveVertices &live) {
@@ -89,11 +97,44 @@ std::shared_ptr<const FitToolState> fitOf(const Reader &from, const LiveVertices
         options.stiffness = its.number("stiffness", FitOptions::leastStiffness, FitOptions::mostStiffness);
         options.start = vcg::fcd::FitStart(its.whole("start", int(vcg::fcd::FitStart::TriedAxes)));
         options.largestDistance = its.number("largest_distance", 0, FitOptions::mostDistance);
-        options.weights = FitMeshParam::Weights(its.whole("weights", FitMeshParam::WeightsSelection));
-        options.targetWeights = FitMeshParam::Weights(its.whole("target_weights", FitMeshParam::WeightsSelection));
+        options.weights = FitMeshParam::Weights(its.whole("weights", FitMeshParam::WeightsAttribute));
+        options.targetWeights = FitMeshParam::Weights(its.whole("target_weights", FitMeshParam::WeightsAttribute));
         fit.target = its.text("target");
         fit.curves = its.text("curves");
     }
     const bool isEmpty = fit.pairs.empty() && !fit.isSet();
     return isEmpty ? nullptr : std::make_shared<const FitToolState>(std::move(fit));
+}
+
+std::vector<float> paintedOf(const Reader &from, const LiveVertices &live) {
+    std::vector<float> weights;
+    const char *const key = "painted";
+    if (!from.has("fit") || !from.in("fit").has(key))
+        return weights;
+    const std::vector<double> painted = from.in("fit").array<double>(key, 1);
+    if (!std::all_of(painted.begin(), painted.end(), [](double weight) { return weight >= 0 && weight <= 1; }))
+        from.fail(std::string(key) + " is out of range");
+    weights.assign(live.mesh.vert.size(), 1);
+    live.read(painted, 1, [&](std::size_t i, const double *weight) { weights[i] = float(*weight); });
+    return weights;
+}
+
+std::string unfitOf(const FitToolState &fit, const MeshDocument &document, const MeshModel &layer) {
+    std::string all;
+    const auto add = [&all](const std::string &what) { all += (all.empty() ? "" : ", and ") + what; };
+    const MeshModel *target = layerNamed(fit.target, document, layer);
+    if (!fit.target.empty() && !target)
+        add("no other layer is called " + inQuotes(QString::fromStdString(fit.target)) + ", its target");
+    if (!fit.curves.empty() && !QFile::exists(QString::fromStdString(fit.curves)))
+        add("its curves are not there, " + inQuotes(QString::fromStdString(fit.curves)));
+    const auto look = [&](const MeshModel &on, FitMeshParam::Weights weights, const std::string &name) {
+        if (weights == FitMeshParam::WeightsQuality && !hasQuality(on))
+            add(name + " has no quality, which says what counts");
+        if (weights == FitMeshParam::WeightsAttribute && paintedWeights(on).empty())
+            add("nothing is painted on " + name + ", which says what counts");
+    };
+    look(layer, fit.options.weights, "this layer");
+    if (target)
+        look(*target, fit.options.targetWeights, "the target");
+    return all;
 }

@@ -15,9 +15,14 @@ ToolState toolOf(const Reader &from, bool hasRest, const MeshModel &layer, const
 
 /// The pairs of FCD: Fit; an end at a deleted vertex is left out.
 QCborArray arrayOf(const std::vector<FitPair> &pairs, const LiveVertices &live);
-/// And the rest of what that tool was told.
-QCborMap mapOf(const FitToolState &fit);
+/// And the rest of what that tool was told, with the weights that are painted on the layer where it goes by them.
+QCborMap mapOf(const FitToolState &fit, const MeshModel &layer, const LiveVertices &live);
 /// Both, read; null where the session has neither. \throw vcg::fcd::Error what is wrong with the file
 std::shared_ptr<const FitToolState> fitOf(const Reader &from, const LiveVertices &live);
+/// The painted weights, one per vertex slot; empty: none. \throw vcg::fcd::Error what is wrong with the file
+std::vector<float> paintedOf(const Reader &from, const LiveVertices &live);
+
+/// What FCD: Fit was told that does not go with the layers of a document; a list, or empty.
+std::string unfitOf(const FitToolState &fit, const MeshDocument &document, const MeshModel &layer);
 
 #endif

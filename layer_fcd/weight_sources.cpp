@@ -51,6 +51,24 @@ std::vector<float> readWeights(const MeshModel &layer, FitMeshParam::Weights sou
     return weight;
 }
 
+std::vector<float> paintedWeights(const MeshModel &layer) {
+    if (!vcg::tri::HasPerVertexAttribute(layer.cm, FitMeshParam::paintedAttribute))
+        return {};
+    return readWeights(layer, FitMeshParam::WeightsAttribute, FitMeshParam::paintedAttribute);
+}
+
+void paintWeights(MeshModel &layer, const std::vector<float> &weights) {
+    using Allocator = vcg::tri::Allocator<CMeshO>;
+    const std::string name = FitMeshParam::paintedAttribute;
+    if (vcg::tri::HasPerVertexAttribute(layer.cm, name)) // perhaps of another type
+        Allocator::DeletePerVertexAttribute(layer.cm, name);
+    if (weights.empty())
+        return;
+    auto painted = Allocator::AddPerVertexAttribute<Scalarm>(layer.cm, name);
+    for (std::size_t i = 0; i < weights.size(); ++i)
+        painted[i] = Scalarm(weights[i]);
+}
+
 vcg::fcd::WeightOf weightOf(const std::vector<float> &weights) {
     if (weights.empty())
         return {};

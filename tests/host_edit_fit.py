@@ -272,6 +272,71 @@ def test_what_does_not_count_is_carried_along(window, tmp_path):
     w.wait("weights=1, graph_layers=False")
 
 
+def colored(w):
+    """Pixels of the view that are tinted as what is carried along."""
+    seen = w.seen()
+    return int(((seen[..., 2] > seen[..., 1] + 40) & (seen[..., 0] > seen[..., 1] + 20)).sum())
+
+
+def sheet(across):
+    """From -1 to 1 along x, half as high."""
+    x, y = np.meshgrid(np.linspace(-1, 1, 2 * across + 1), np.linspace(-0.5, 0.5, across + 1), indexing="ij")
+    first = (np.arange(2 * across)[:, None] * (across + 1) + np.arange(across)).ravel()
+    faces = np.stack([first, first + across + 1, first + 1, first + 1, first + across + 1, first + across + 2], 1).reshape(-1, 3)
+    return np.stack([x, y, 0 * x], 2).reshape(-1, 3).astype(np.float32), faces
+
+
+def test_the_brush_paints_what_is_carried_along(window, tmp_path):
+    """The same by the brush: a stroke down the end that is something else, and one step of undo."""
+    target, target_faces = sheet(40)
+    points, faces = sheet(20)
+    target[:, 2] += 0.8 * np.clip(target[:, 0] - 0.4, 0, None)
+    w = window(write_ply(tmp_path / "scan.ply", target, target_faces), write_ply(tmp_path / "template.ply", points, faces))
+    stroke = (X + 180, Y - 50), (X + 180, Y + 120) # the end of either layer is at X + 240 and more
+    w.start_tool("FCD: Fit")
+    w.key("3") # this layer alone
+    w.settle()
+    plain = colored(w)
+    w.key("b")
+    for _ in range(11):
+        w.do("mousemove", *on_template(0.6), "click", 4) # the wheel: 20 * 1.15^11 pixels
+    w.drag(*stroke)
+    w.settle()
+    w.shot("carried")
+    painted = colored(w)
+    assert painted > plain + 20000
+    w.key("b") # pairs again
+    w.settle()
+    assert colored(w) == plain
+    end = points[:, 0] > 0.8
+    pull(w)
+    carried = load(w.save("carried.ply"))[0]
+    w.key("ctrl+z", "ctrl+z") # the pull, and the stroke
+    pull(w)
+    drawn = load(w.save("drawn.ply"))[0]
+    assert drawn[end, 2].mean() > 0.3 and abs(carried[end, 2].mean()) < 0.1
+    w.key("BackSpace")
+
+    # On the target, which then pulls less there.
+    w.key("4", "b")
+    w.settle()
+    w.drag(*stroke)
+    w.settle()
+    w.shot("target")
+    painted = colored(w)
+    assert painted > plain + 20000
+    pull(w)
+    assert abs(load(w.save("less.ply"))[0][end, 2].mean()) < 0.1
+    pulled = w.text().count("trace: pulled")
+    w.key("4", "x")
+    w.drag((X + 230, Y), (X + 230, Y + 60)) # that counts again, and is pulled so
+    w.wait("trace: pulled", pulled + 1)
+    w.settle()
+    assert plain + 2000 < colored(w) < painted - 5000
+    w.key("b", "ctrl+shift+Return")
+    w.wait("target_weights=3")
+
+
 def write_curves(path, turn):
     """The template's upper line belongs turned about the axis by so many degrees on the target."""
     x, angle = np.linspace(-0.95, 0.95, 20), np.radians(turn)

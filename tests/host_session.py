@@ -305,9 +305,9 @@ def test_options_of_a_fit_that_cannot_be_are_refused(tmp_path):
     data = file.read_bytes()
     for key, wrong, what in (("stiffness", 0, "stiffness is out of range"), ("stiffness", 1000, "stiffness is out of range"), ("stiffness", "1", "stiffness is no number"),
                              ("start", 4, "start is out of range"), ("start", -1, "start is out of range"), ("start", 0.5, "start is no whole number"),
-                             ("weights", 3, "weights is out of range"), ("target_weights", 1.5, "target_weights is no whole number"),
+                             ("weights", 4, "weights is out of range"), ("target_weights", 1.5, "target_weights is no whole number"),
                              ("largest_distance", -1, "largest_distance is out of range"), ("largest_distance", float("nan"), "largest_distance is out of range"),
-                             ("target", 5, "target is no text"), ("curves", True, "curves is no text")):
+                             ("target", 5, "target is no text"), ("curves", True, "curves is no text"), ("painted", np.zeros(3), "painted has not the values")):
         file.write_bytes(with_part(data, "fit", {**FIT, key: wrong}))
         refused(reopened(ms, tmp_path), what, session_file=str(file))
     for wrong in ({}, 5, []):
@@ -408,3 +408,29 @@ def test_a_layer_without_a_matrix_gets_that_of_its_session(tmp_path):
     plain.apply_filter(SAVE, session_file=str(file))
     file.write_bytes(with_tool(file.read_bytes()))
     refused(plain, "rest is missing", session_file=str(file))
+
+
+def test_what_is_painted_goes_along(tmp_path, capfd):
+    """Weights that the brush of FCD: Fit has painted, an attribute of the layer, which not all of its files keep."""
+    ms, _, _ = posed()
+    file, again_file = tmp_path / "s.fcd", tmp_path / "again.fcd"
+    ms.apply_filter(SAVE, session_file=str(file))
+    data = file.read_bytes()
+    weights = np.linspace(0, 1, ms.current_mesh().vertex_number()).astype(np.float32).astype(float)
+    fit = {**FIT, "target": "", "target_weights": 0, "weights": 3}
+    again = reopened(ms, tmp_path)
+    again.set_verbosity(True)
+    file.write_bytes(with_part(data, "fit", fit))
+    capfd.readouterr()
+    again.apply_filter(LOAD, session_file=str(file))
+    assert "nothing is painted on this layer, which says what counts" in capfd.readouterr().err
+    file.write_bytes(with_part(data, "fit", {**fit, "painted": weights}))
+    again.apply_filter(LOAD, session_file=str(file))
+    assert "nothing is painted" not in capfd.readouterr().err
+    assert np.array_equal(again.current_mesh().vertex_custom_scalar_attribute_array("fcd_weight"), weights)
+    again.apply_filter(SAVE, session_file=str(again_file))
+    assert cbor("painted") + cbor(weights) in contents(again_file.read_bytes())
+    for wrong in (1.5, -0.5):
+        file.write_bytes(with_part(data, "fit", {**fit, "painted": np.where(weights > 0.5, wrong, weights)}))
+        refused(again, "painted is out of range", session_file=str(file))
+    assert np.array_equal(again.current_mesh().vertex_custom_scalar_attribute_array("fcd_weight"), weights)

@@ -55,3 +55,13 @@ void drawTriangles(QOpenGLBuffer &elements, std::size_t corners) {
     glDrawElements(GL_TRIANGLES, int(corners), GL_UNSIGNED_INT, nullptr);
     elements.release();
 }
+
+FlatDrawing::FlatDrawing() {
+    glPushAttrib(GL_ALL_ATTRIB_BITS);
+    glDisable(GL_LIGHTING);
+    glDisable(GL_TEXTURE_2D);
+    glDisable(GL_DEPTH_TEST);
+    glDepthMask(GL_FALSE);
+}
+
+FlatDrawing::~FlatDrawing() { glPopAttrib(); }

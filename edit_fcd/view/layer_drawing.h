@@ -59,6 +59,15 @@ class LayerDrawing {
     ~LayerDrawing();
 };
 
+/// While it lives, what is drawn is flat and over all else; then all of OpenGL's state is what it was.
+class FlatDrawing {
+  public:
+    FlatDrawing();
+    FlatDrawing(const FlatDrawing &) = delete;
+    FlatDrawing &operator=(const FlatDrawing &) = delete;
+    ~FlatDrawing();
+};
+
 // From which buffers a LayerDrawing draws; from no others that were in use before.
 void usePositions(QOpenGLBuffer &positions);
 void useNormals(QOpenGLBuffer &normals);

@@ -3,6 +3,7 @@
 
 #include "edit_fcd/bend/model/guide_line.h"
 #include "edit_fcd/bend/model/handles.h"
+#include "edit_fcd/view/brush.h"
 
 #include <cmath>
 
@@ -60,12 +61,7 @@ void BendTool::drawOverlay() const {
     if (panel->mode() == BendPanel::Brush) {
         const QPointF at = going ? mouse : QPointF(view->mapFromGlobal(QCursor::pos()));
         const Eigen::Vector2d place = windowOf(*view, seen, at).head<2>();
-        const double radius = panel->brush() * view->devicePixelRatioF();
-        std::vector<Eigen::Vector2d> circle(40, place);
-        for (std::size_t i = 0; i < circle.size(); ++i)
-            circle[i] +=
-                radius * Eigen::Vector2d(std::cos(double(i) * 9 * oneDegree), std::sin(double(i) * 9 * oneDegree));
-        drawOutline(seen, circle);
+        drawBrush(seen, place, panel->brush() * view->devicePixelRatioF());
     }
     if (going)
         going->draw();

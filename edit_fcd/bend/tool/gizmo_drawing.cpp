@@ -3,6 +3,8 @@
 
 #include "edit_fcd/bend/model/handles.h"
 
+#include "edit_fcd/view/layer_drawing.h"
+
 #include <layer_fcd/edit_host.h>
 
 #include <cmath>
@@ -19,21 +21,6 @@ Eigen::Vector3d onRing(const Gizmo &gizmo, int axis, double radius, int part) {
     return gizmo.center + radius * (std::cos(angle) * gizmo.axes.col((axis + 1) % 3) +
                                     std::sin(angle) * gizmo.axes.col((axis + 2) % 3));
 }
-
-/// Draws flat and over all else, as long as it lives.
-class FlatDrawing {
-  public:
-    FlatDrawing() {
-        glPushAttrib(GL_ALL_ATTRIB_BITS);
-        glDisable(GL_LIGHTING);
-        glDisable(GL_TEXTURE_2D);
-        glDisable(GL_DEPTH_TEST);
-        glDepthMask(GL_FALSE);
-    }
-    FlatDrawing(const FlatDrawing &) = delete;
-    FlatDrawing &operator=(const FlatDrawing &) = delete;
-    ~FlatDrawing() { glPopAttrib(); }
-};
 
 void put(const Eigen::Vector3d &p) { glVertex3d(p[0], p[1], p[2]); }
 
@@ -155,28 +142,4 @@ void drawLine(const Eigen::Matrix3Xd &points, const Eigen::Matrix3Xd &way) {
         for (Eigen::Index i = 0; i < points.cols(); ++i)
             drawPoint(points.col(i), (i == 0 ? 12.f : 9.f) - (isInner ? 3.f : 0.f));
     }
-}
-
-void drawOutline(const Camera &view, const std::vector<Eigen::Vector2d> &polygon) {
-    const FlatDrawing flat;
-    glMatrixMode(GL_PROJECTION);
-    glPushMatrix();
-    glLoadIdentity();
-    glOrtho(0, view.width, 0, view.height, -1, 1);
-    glMatrixMode(GL_MODELVIEW);
-    glPushMatrix();
-    glLoadIdentity();
-    for (const bool isInner : {false, true}) { // dark around light: seen on any ground
-        glLineWidth(isInner ? 2 : 4);
-        const GLubyte shade = isInner ? 240 : 20;
-        glColor3ub(shade, shade, shade);
-        glBegin(GL_LINE_LOOP);
-        for (const Eigen::Vector2d &corner : polygon)
-            put({corner[0], corner[1], 0});
-        glEnd();
-    }
-    glPopMatrix();
-    glMatrixMode(GL_PROJECTION);
-    glPopMatrix();
-    glMatrixMode(GL_MODELVIEW);
 }

@@ -35,7 +35,5 @@ void drawGizmo(const Camera &view, const Gizmo &gizmo, const BendDrag *drag, con
 /// Draws points that a line is given by, the first one larger, and the line that is used, or, while that is not known,
 /// what leads through the points. \param points 3 x n \param way 3 x m, places of the line; both in the world
 void drawLine(const Eigen::Matrix3Xd &points, const Eigen::Matrix3Xd &way);
-/// Draws a polygon in the window.
-void drawOutline(const Camera &view, const std::vector<Eigen::Vector2d> &polygon);
 
 #endif

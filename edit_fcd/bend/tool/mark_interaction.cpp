@@ -5,13 +5,8 @@ MarkInteraction::MarkInteraction(BendStage &stage, BendMarking::Kind kind) : Ben
     marking.kind = kind;
     stage.session->change();
     stage.takeNewHandle();
-    if (stage.panel->isThrough())
-        return;
-    const Camera &seen = stage.seen;
-    marking.depth.resize(std::size_t(seen.width) * std::size_t(seen.height), 1);
-    stage.view->makeCurrent();
-    glPixelStorei(GL_PACK_ALIGNMENT, 1);
-    glReadPixels(0, 0, seen.width, seen.height, GL_DEPTH_COMPONENT, GL_FLOAT, marking.depth.data());
+    if (!stage.panel->isThrough())
+        marking.depth = depthOf(*stage.view, stage.seen);
 }
 
 void MarkInteraction::begin() {

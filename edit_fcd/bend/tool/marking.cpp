@@ -30,34 +30,17 @@ std::vector<std::size_t> BendMarking::strokeTo(const Eigen::Vector2d &to, double
                       view);
 }
 
-std::vector<std::size_t> BendMarking::verticesIn(const IsIn &isIn, const BendSession &session,
+std::vector<std::size_t> BendMarking::verticesIn(const SeenPart::IsIn &isIn, const BendSession &session,
                                                  const Camera &view) const {
     const Eigen::Affine3d mirror = mirrorOf(session.model());
-    const double hair = 0.005 * session.diagonal();
-    const auto isSeen = [&](const Eigen::Vector3d &p, const Eigen::Vector3d &window) {
-        const Eigen::Vector3d eye = view.towardsEye(p);
-        for (int dy = -1; dy <= 1; ++dy)
-            for (int dx = -1; dx <= 1; ++dx) {
-                const int x = int(window[0]) + dx, y = int(window[1]) + dy;
-                if (x < 0 || y < 0 || x >= view.width || y >= view.height)
-                    continue;
-                const double there = depth[std::size_t(y) * std::size_t(view.width) + std::size_t(x)];
-                if (there < 1 && (view.toWorld({x + 0.5, y + 0.5, there}) - p).dot(eye) < hair)
-                    return true;
-            }
-        return false;
-    };
-    const auto isMarked = [&](const Eigen::Vector3d &p) {
-        const Eigen::Vector3d window = view.toWindow(p);
-        return window[2] <= 1 && isIn(window.head<2>()) && (depth.empty() || isSeen(p, window));
-    };
+    const SeenPart part(view, isIn, depth, 0.005 * session.diagonal());
     return vcg::fcd::CollectInOrder<std::size_t>(
         vcg::fcd::Progress(), "Marking", Index(session.tags().size()), [&](Index i, std::vector<std::size_t> &found) {
             const auto slot = std::size_t(i);
             if (session.restShape().isDeleted(slot))
                 return;
             const Eigen::Vector3d p = session.positionOf(slot);
-            if (isMarked(p) || (session.model().options.mirror >= 0 && isMarked(mirror * p)))
+            if (part.has(p) || (session.model().options.mirror >= 0 && part.has(mirror * p)))
                 found.push_back(slot);
         });
 }

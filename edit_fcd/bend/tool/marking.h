@@ -3,9 +3,7 @@
 #define FCD_MARKING_H
 
 #include "edit_fcd/bend/model/session.h"
-#include "edit_fcd/view/camera.h"
-
-#include <functional>
+#include "edit_fcd/view/brush.h"
 
 /// What is being marked in a view: by a brush, a rectangle or a polygon. All coordinates are those of the window.
 struct BendMarking {
@@ -13,7 +11,7 @@ struct BendMarking {
 
     Kind kind = Brush;
     std::vector<Eigen::Vector2d> corners; ///< of a rectangle two opposite ones, of a brush its last place
-    std::vector<float> depth; ///< of the window, from its lowest row on, where only what is seen is marked; else empty
+    std::vector<float> depth;             ///< as depthOf gives it, where only what is seen is marked; else empty
 
     /// The polygon that is marked; of a brush none.
     std::vector<Eigen::Vector2d> outline() const;
@@ -24,8 +22,8 @@ struct BendMarking {
                                       const Camera &view);
 
   private:
-    using IsIn = std::function<bool(const Eigen::Vector2d &)>;
-    std::vector<std::size_t> verticesIn(const IsIn &isIn, const BendSession &session, const Camera &view) const;
+    std::vector<std::size_t> verticesIn(const SeenPart::IsIn &isIn, const BendSession &session,
+                                        const Camera &view) const;
 };
 
 #endif

@@ -9,7 +9,6 @@
 #include <layer_fcd/marks.h>
 #include <layer_fcd/pose_in_place.h>
 #include <layer_fcd/tag_sources.h>
-#include <layer_fcd/weight_sources.h>
 
 #include <vcg/complex/algorithms/update/bounding.h>
 
@@ -101,8 +100,10 @@ Eigen::Vector3d FitSession::cornerOf(std::size_t curve, std::size_t corner) cons
 
 bool FitSession::undo() {
     const FitState from = now;
-    if (!history.undo(now) || now.applies == from.applies)
+    if (!history.undo(now) || now.applies == from.applies) {
+        showPainted(from);
         return !(now == from);
+    }
     // The rest shape of then; what led beyond it is gone.
     restore();
     history.forgetUndone();
@@ -112,7 +113,16 @@ bool FitSession::undo() {
         return false;
     }
     applied.resize(now.applies);
+    showPainted(from);
     keepRest();
+    return true;
+}
+
+bool FitSession::redo() {
+    const FitState from = now;
+    if (!history.redo(now))
+        return false;
+    showPainted(from);
     return true;
 }
 
@@ -214,14 +224,6 @@ FitMeshParam FitSession::paramFor(const MeshModel &target, bool landmarksOnly) c
     return param;
 }
 
-/// Those of the layer and then those of the target. They change with the quality or the selection.
-std::vector<float> FitSession::weightsFor(const MeshModel &target) const {
-    std::vector<float> all = readWeights(layer, now.options.weights, QString());
-    const std::vector<float> its = readWeights(target, now.options.targetWeights, QString());
-    all.insert(all.end(), its.begin(), its.end());
-    return all;
-}
-
 bool FitSession::isPrepared() const { return landmarks().empty() || (followFitter && followStart == start(true)); }
 
 std::shared_ptr<const LayerFit> FitSession::beginPreparing() {
@@ -271,8 +273,7 @@ void FitSession::finishPull(const MeshModel &target, std::shared_ptr<const Fitte
 const FittedSurface *FitSession::pulled(const MeshModel &target) const {
     const bool isThat =
         lastPull && now.shape == FitShape::Pulled && pulledOnto == target.id() && pulledFrom.options == now.options &&
-        pulledFrom.lines == now.lines && pulledFrom.pairs.size() == now.pairs.size() &&
-        pulledWeights == weightsFor(target) &&
+        pulledFrom.lines == now.lines && pulledFrom.pairs.size() == now.pairs.size() && hasPulledWeights(target) &&
         std::equal(now.pairs.begin(), now.pairs.end(), pulledFrom.pairs.begin(),
                    [](const FitPair &a, const FitPair &b) { return a.slot == b.slot && a.place == b.place; });
     return isThat ? lastPull.get() : nullptr;

@@ -9,6 +9,7 @@
 
 #include <layer_fcd/layer_fitter.h>
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,17 +18,24 @@
 /// What a layer that is fitted shows.
 enum class FitShape { Rest, Landmarks, Pulled };
 
+/// Weights that a brush has painted, one per vertex slot; empty: none were.
+using FitWeights = std::vector<float>;
+
+/// Weights of layers, by the layer's number. A layer that is not in it is as it is.
+using PaintedLayers = std::map<int, std::shared_ptr<const FitWeights>>;
+
 /// What is undone and redone.
 struct FitState {
     std::vector<FitPair> pairs;
     FitOptions options;
     std::shared_ptr<const FitLines> lines; ///< that lead it when it is pulled; null: none
+    PaintedLayers painted;
     FitShape shape = FitShape::Rest;
     std::size_t applies = 0; ///< in place, since the session began: each made the shape of then the rest shape
 
     bool operator==(const FitState &other) const {
-        return pairs == other.pairs && options == other.options && lines == other.lines && shape == other.shape &&
-               applies == other.applies;
+        return pairs == other.pairs && options == other.options && lines == other.lines && painted == other.painted &&
+               shape == other.shape && applies == other.applies;
     }
 };
 
@@ -70,7 +78,7 @@ class FitSession {
 
     void change() { history.begin(now); }
     bool undo(); ///< \return whether there was something
-    bool redo() { return history.redo(now); }
+    bool redo();
     void addPair(std::size_t slot);
     /// \throw vcg::fcd::Error another pair is at that vertex
     void setSource(std::size_t pair, std::size_t slot);
@@ -86,6 +94,18 @@ class FitSession {
     void save(const QString &file) const;
     /// \param file empty: without curves \throw vcg::fcd::Error
     void loadCurves(const std::string &file);
+
+    // --- what counts, as a brush paints it; a stroke is one change ---
+
+    /// How much each vertex of this layer, or of the target, counts when it is pulled; empty: all counts.
+    /// \throw vcg::fcd::Error they have no such weights
+    FitWeights weightsOf(const MeshModel &of) const;
+    /// A stroke begins, from what counts so far.
+    void beginStroke(MeshModel &on);
+    /// Vertices of the layer of the stroke count as much from now on. \param weight 0 is carried along, 1 counts
+    void paint(const std::vector<std::size_t> &vertices, float weight);
+    /// The stroke is what its layer is painted with, and the options say so. \return whether it has painted anything
+    bool endStroke();
 
     // --- the shape ---
 
@@ -122,12 +142,22 @@ class FitSession {
     std::string applyToNewLayer(const MeshModel &target, bool graphLayers, const Remark &remark);
 
   private:
+    /// What is being painted.
+    struct Stroke {
+        int layer;          ///< number
+        FitWeights before;  ///< as they were painted then
+        FitWeights weights; ///< by which the layer counts now
+        bool isPainted;     ///< whether these are others than when it began
+    };
+
     void keepRest();
     vcg::fcd::FitStart start(bool byLandmarksOnly) const;
     std::vector<vcg::fcd::Landmark> landmarks() const;
     FitMeshParam paramFor(const MeshModel &target, bool landmarksOnly) const;
     std::shared_ptr<const FittedSurface> fittedNow(const MeshModel &target);
-    std::vector<float> weightsFor(const MeshModel &target) const;
+    FitWeights weightsFor(const MeshModel &target) const;
+    bool hasPulledWeights(const MeshModel &target) const;
+    void showPainted(const FitState &from);
     std::string filterCall(const MeshModel &target, bool graphLayers) const;
     void know(bool full);
     void know();
@@ -141,6 +171,7 @@ class FitSession {
     bool hasDirections = false;    ///< as FitParam::linear
 
     FitState now;
+    std::optional<Stroke> stroke;
     std::string chosenTarget;
     std::shared_ptr<const FitToolState> kept; ///< that the layer got here, or that was taken from it
     History<FitState> history{1000};          // each is some pairs
@@ -152,8 +183,8 @@ class FitSession {
 
     std::shared_ptr<const FittedSurface> lastPull, shownPull; ///< that the layer shows; null: it shows none
     FitState pulledFrom;
-    std::vector<float> pulledWeights; ///< as weightsFor
-    int pulledOnto = -1;              ///< number of the layer
+    FitWeights pulledWeights; ///< as weightsFor
+    int pulledOnto = -1;      ///< number of the layer
 };
 
 #endif

@@ -13,6 +13,8 @@ const ActionTable &fitActions() {
         {FitAction::Both, "2"},
         {FitAction::Source, "3"},
         {FitAction::Target, "4"},
+        {FitAction::Brush, "B"},
+        {FitAction::OtherBrush, "X"},
         {FitAction::ApplyInPlace, "Ctrl+Return|Ctrl+Enter"},
         {FitAction::ApplyToNew, "Ctrl+Shift+Return|Ctrl+Shift+Enter"},
     };

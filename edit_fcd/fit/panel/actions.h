@@ -6,7 +6,22 @@
 
 /// What a key does in the view.
 struct FitAction {
-    enum Id { Undo, Redo, Remove, Reset, Pull, Cancel, InTurn, Both, Source, Target, ApplyInPlace, ApplyToNew };
+    enum Id {
+        Undo,
+        Redo,
+        Remove,
+        Reset,
+        Pull,
+        Cancel,
+        InTurn,
+        Both,
+        Source,
+        Target,
+        Brush,
+        OtherBrush,
+        ApplyInPlace,
+        ApplyToNew
+    };
 };
 
 const ActionTable &fitActions();

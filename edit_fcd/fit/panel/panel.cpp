@@ -97,7 +97,7 @@ void FitPanel::addLayers(QBoxLayout &column) {
 void FitPanel::addPairs(QBoxLayout &column) {
     list = new FitPairList;
     list->setObjectName("pairs");
-    list->setFixedHeight(120); // four pairs; so all of the panel fits 768 pixels
+    list->setFixedHeight(96); // three pairs; so all of the panel fits 768 pixels
     column.addWidget(list);
     auto *row = new QHBoxLayout;
     row->setSpacing(3);
@@ -162,10 +162,10 @@ void FitPanel::addShape(QBoxLayout &column) {
     form->addRow("Start", start);
     auto *counts = new QHBoxLayout; // in the order of Weights
     weights =
-        choice("weights", {"This: all", "This: quality", "This: selected"},
+        choice("weights", {"This: all", "This: quality", "This: selected", "This: painted"},
                "What of this layer is pulled: all of it; as much as its vertex quality says, from 0 to 1; or what "
-               "is selected. The rest is carried along, such as the gum of a dental scan");
-    targetWeights = choice("targetweights", {"Target: all", "Target: quality", "Target: selected"},
+               "is selected, or painted. The rest is carried along, such as the gum of a dental scan");
+    targetWeights = choice("targetweights", {"Target: all", "Target: quality", "Target: selected", "Target: painted"},
                            "What of the target pulls. The rest is as if it were not there");
     for (QComboBox *each : {weights, targetWeights}) {
         each->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon); // no wider than the others
@@ -173,6 +173,21 @@ void FitPanel::addShape(QBoxLayout &column) {
         counts->addWidget(each);
     }
     form->addRow("Counts", counts);
+    auto *painting = new QHBoxLayout;
+    brushButtons = choiceOf(
+        this, *painting,
+        {{"brushpairs", "Off", "Clicks place pairs (B)"},
+         {"brushcounts", "Counts", "Paints what is pulled, or pulls, on either layer (B, and X for the other one)"},
+         {"brushcarried", "Carried", "Paints what is not matched, on either layer: it is carried along (B, X)"}});
+    connect(brushButtons, QOverload<QAbstractButton *>::of(&QButtonGroup::buttonClicked), this, &FitPanel::brushChosen);
+    brushPixels = new CountBox;
+    brushPixels->setObjectName("brush");
+    brushPixels->setToolTip("How far the brush paints around the mouse (wheel)");
+    brushPixels->setRange(2, 500);
+    brushPixels->setValue(20);
+    brushPixels->setSuffix(" px");
+    painting->addWidget(brushPixels);
+    form->addRow("Brush", painting);
     largest = new NumberBox;
     largest->setObjectName("largest");
     largest->setDecimals(4);
@@ -194,10 +209,12 @@ void FitPanel::addShape(QBoxLayout &column) {
     distance->setToolTip("Colours this layer, once it is pulled, by how far it is from the target; grey has no "
                          "counterpart there");
     connect(distance, &QCheckBox::toggled, this, &FitPanel::distanceToggled);
-    column.addWidget(distance);
     legend = new QLabel;
     legend->setObjectName("legend");
-    column.addWidget(legend);
+    auto *shown = new QHBoxLayout;
+    shown->addWidget(distance);
+    shown->addWidget(legend, 1);
+    column.addLayout(shown);
 }
 
 void FitPanel::addCommands(QBoxLayout &column) {

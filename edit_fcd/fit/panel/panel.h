@@ -26,6 +26,8 @@ class FitPanel : public QDockWidget {
   public:
     /// Which layers are seen: the one whose turn it is to be clicked, or as chosen.
     enum Seen { InTurn, Both, Source, Target };
+    /// What a press on a layer does: it places an end of a pair, or paints what counts, or what is carried along.
+    enum Brush { Pairs, Counts, Carried };
     enum Command { Load, Save, Clear, LoadCurves, ClearCurves, Undo, Redo, Cancel, ApplyInPlace, ApplyToNewLayer };
 
     explicit FitPanel(QWidget *parent);
@@ -35,6 +37,10 @@ class FitPanel : public QDockWidget {
     int target() const; ///< number of a layer, -1: none
     Seen seen() const { return Seen(seenButtons->checkedId()); }
     void setSeen(Seen which) { seenButtons->button(which)->setChecked(true); }
+    Brush brush() const { return Brush(brushButtons->checkedId()); }
+    void setBrush(Brush which) { brushButtons->button(which)->setChecked(true); }
+    int brushSize() const { return brushPixels->value(); } ///< radius, pixels of the screen
+    void setBrushSize(int pixels) { brushPixels->setValue(pixels); }
     FitOptions options() const;
     void showOptions(const FitOptions &options);
     FitShape shape() const { return FitShape(shapes->checkedId()); }
@@ -54,6 +60,7 @@ class FitPanel : public QDockWidget {
   signals:
     void targetChosen();
     void seenChosen();
+    void brushChosen();
     void shapeChosen();
     void optionsChanged();
     void distanceToggled();
@@ -68,7 +75,8 @@ class FitPanel : public QDockWidget {
     QPushButton *button(const char *name, const QString &text, const QString &tip, Command which);
 
     QComboBox *targets, *start, *weights, *targetWeights;
-    QButtonGroup *seenButtons, *shapes;
+    QButtonGroup *seenButtons, *brushButtons, *shapes;
+    QSpinBox *brushPixels;
     QSlider *stiffness;
     PanelState *state;
     QLabel *stiffnessText, *legend;

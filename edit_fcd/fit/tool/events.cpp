@@ -15,7 +15,10 @@ void FitTool::press(QMouseEvent *event) {
     hint.clear();
     mouse = pressed = event->localPos();
     const bool plain = event->button() == Qt::LeftButton && event->modifiers() == Qt::NoModifier && !isCamera;
-    if (plain && isReady()) {
+    if (plain && isReady() && isPainting()) {
+        if (beginStroke())
+            return;
+    } else if (plain && isReady()) {
         dragged = endAt(*session, marks(), seen, windowOfMouse().head<2>());
         if (dragged) {
             session->change();
@@ -26,7 +29,7 @@ void FitTool::press(QMouseEvent *event) {
             return;
         }
     }
-    isClick = plain; // unless the mouse moves before it is released: then it is the camera's
+    isClick = plain && !isPainting(); // unless the mouse moves before it is released: then it is the camera's
     isCamera = true;
     toCamera(*view, event);
 }
@@ -37,8 +40,12 @@ void FitTool::move(QMouseEvent *event) {
         if ((mouse - pressed).manhattanLength() > 4)
             isClick = false;
         toCamera(*view, event);
-    } else if (dragged) {
+    } else if (stroke && !(event->buttons() & Qt::LeftButton)) {
+        endStroke(); // it was released elsewhere
+    } else if (dragged || stroke) {
         requestStep();
+    } else if (isPainting()) {
+        view->update(); // the brush is drawn there
     }
 }
 
@@ -50,6 +57,9 @@ void FitTool::release(QMouseEvent *event) {
         if (isClick && isReady())
             click();
         isClick = false;
+    } else if (stroke) {
+        guarded([&] { strokeTo(); });
+        endStroke();
     } else if (dragged) {
         const std::size_t pair = dragged->pair;
         guarded([&] { dragTo(); });
@@ -106,7 +116,10 @@ void FitTool::click() {
 /// A step of a drag. Where it cannot go, that is told once the drag ends.
 void FitTool::step() {
     try {
-        dragTo();
+        if (stroke)
+            strokeTo();
+        else
+            dragTo();
     } catch (const Error &e) {
         hint = e.what();
         refresh();
@@ -154,7 +167,7 @@ void FitTool::pressKey(QKeyEvent *event) {
     }
     event->accept();
     hint.clear();
-    if (!dragged)
+    if (!dragged && !stroke)
         act(key->action);
     refresh();
     if (view)
@@ -172,6 +185,11 @@ void FitTool::act(int key) {
     case FitAction::Both: setSeen(FitPanel::Both); break;
     case FitAction::Source: setSeen(FitPanel::Source); break;
     case FitAction::Target: setSeen(FitPanel::Target); break;
+    case FitAction::Brush: setBrush(isPainting() ? FitPanel::Pairs : lastBrush); break;
+    case FitAction::OtherBrush:
+        if (isPainting())
+            setBrush(lastBrush == FitPanel::Carried ? FitPanel::Counts : FitPanel::Carried);
+        break;
     case FitAction::Remove:
         if (!isReady() || selected < 0 || selected >= int(session->state().pairs.size()))
             break;
@@ -202,6 +220,7 @@ void FitTool::onOptions() {
         return;
     session->change();
     session->setOptions(panel->options());
+    showColors();
     if (session->state().shape != FitShape::Rest)
         optionsTimer.start(150);
 }
@@ -218,7 +237,7 @@ void FitTool::onCommand(int which) {
         }
         return;
     }
-    if (!isReady() || dragged)
+    if (!isReady() || dragged || stroke)
         return;
     switch (which) {
     case FitPanel::Load:
@@ -298,7 +317,7 @@ void FitTool::apply(bool inPlace) {
         if (hadCurves)
             say("The curves were those of the shape of before: load some of this one.");
         showVertices(true);
-        showDistances();
+        showColors();
         return;
     }
     wasVisible.erase(layerId); // the new layer is seen in its place

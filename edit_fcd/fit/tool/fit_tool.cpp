@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/fit/tool/fit_tool.h"
 
-#include "edit_fcd/view/distance_colors.h"
-
 #include <algorithm>
 
 #include <cmath>
@@ -71,33 +69,20 @@ void FitTool::showVertices(bool full) {
     isPainted = false;
 }
 
-void FitTool::showDistances() {
-    if (!layer() || !panel)
-        return;
-    double most = 0;
-    std::vector<vcg::Color4b> colors;
-    const FittedSurface *fitted = panel->showsDistance() && target() && !dragged ? session->pulled(*target()) : nullptr;
-    if (fitted) {
-        most = 3 * std::max(fitted->report.percentile95, 1e-6 * fitted->diagonal); // beyond, nothing is a counterpart
-        for (std::size_t i = 0; i < fitted->distance.size(); ++i)
-            colors.push_back(fitted->matched[i] ? colorOfDistance(fitted->distance[i] / most) : colorOfNoCounterpart());
-    }
-    if (colors.empty())
-        overlay->hide();
-    else
-        overlay->show(model->cm, colors);
-    panel->showLegend(most);
-    view->update();
-}
-
 void FitTool::draw() {
     beginDraw();
     if (!layer())
         return;
     if (marks().showsSource)
         overlay->draw(model->cm);
+    if (isPainting() && marks().showsTarget && target())
+        targetOverlay->draw(target()->cm);
     drawCurves(*session, marks());
     drawPairs(*session, marks());
+    if (isPainting() && !isSuspended && !isCamera) {
+        const QPointF at = stroke ? mouse : QPointF(view->mapFromGlobal(QCursor::pos()));
+        drawBrush(seen, windowOf(*view, seen, at).head<2>(), panel->brushSize() * view->devicePixelRatioF());
+    }
 }
 
 QString FitTool::stateText() const {
@@ -110,6 +95,13 @@ QString FitTool::stateText() const {
     const auto bold = [](const MeshModel &each, const char *color) {
         return QString("<b style='color: %1'>%2</b>").arg(color, each.label().toHtmlEscaped());
     };
+    if (isPainting())
+        return panel->brush() == FitPanel::Carried
+                   ? "Drag over either layer: what the brush meets is carried along, and not matched. The wheel sets "
+                     "its "
+                     "size; X: paint what counts; B: back to pairs."
+                   : "Drag over either layer: what the brush meets counts. The wheel sets its size; X: paint what is "
+                     "carried along; B: back to pairs.";
     QString text = isTurnOfTarget() ? "Click the same point on " + bold(*target(), "#d0700a") + "."
                                     : "Click a point on " + bold(*model, "#2d6eeb") + ", then the same one on " +
                                           bold(*target(), "#d0700a") + ". Drag a point to move it.";
@@ -180,7 +172,7 @@ void FitTool::reshape(bool full) {
     case FitShape::Rest:
         session->restore();
         showVertices(true);
-        showDistances();
+        showColors();
         break;
     case FitShape::Landmarks: follow(full); break;
     case FitShape::Pulled: {
@@ -188,7 +180,7 @@ void FitTool::reshape(bool full) {
         if (session->pulled(onto)) {
             session->showPulled();
             showVertices(true);
-            showDistances();
+            showColors();
             break;
         }
         const auto fit = session->beginPull(onto);
@@ -208,7 +200,7 @@ void FitTool::whenPulled(const std::shared_ptr<const LayerFit> &fit, const std::
                             fitted.get(), [fit, fitted](const FittedSurface *) {})); // with what it refers to
     session->showPulled();
     showVertices(true);
-    showDistances();
+    showColors();
     if (fitted->report.matched < 0.3) // then most of the shape is a guess
         say("Only a small part of the layer has a counterpart on the target: place pairs first, or raise the largest "
             "distance.",
@@ -240,7 +232,7 @@ void FitTool::follow(bool full) {
     session->follow(full);
     const double solved = double(watch.nsecsElapsed()) / 1e6;
     showVertices(full);
-    showDistances();
+    showColors();
     if (std::getenv("FCD_TRACE"))
         std::fprintf(stderr, "FCD trace: follow: %d vertices, solve and write %.1f, in all %.1f ms\n", model->cm.vn,
                      solved, double(watch.nsecsElapsed()) / 1e6);

@@ -6,6 +6,7 @@
 
 #include "edit_fcd/kit/job_runner.h"
 #include "edit_fcd/fit/tool/overlay.h"
+#include "edit_fcd/fit/tool/weight_brush.h"
 #include "edit_fcd/fit/panel/actions.h"
 #include "edit_fcd/fit/panel/panel.h"
 #include "edit_fcd/kit/layer_tool.h"
@@ -34,7 +35,7 @@ class FitTool : public LayerTool {
     void press(QMouseEvent *event) override;
     void move(QMouseEvent *event) override;
     void release(QMouseEvent *event) override;
-    void turnWheel(QWheelEvent *event) override { toHost(*view, event); }
+    void turnWheel(QWheelEvent *event) override;
     void pressKey(QKeyEvent *event) override;
 
   private:
@@ -66,6 +67,14 @@ class FitTool : public LayerTool {
     void dragTo();
     bool place(bool isTarget);
     bool isTurnOfTarget() const;
+
+    bool isPainting() const { return panel && panel->brush() != FitPanel::Pairs; }
+    void setBrush(FitPanel::Brush which);
+    void takeBrush();
+    MeshModel *layerAtMouse() const;
+    bool beginStroke();
+    void strokeTo();
+    void endStroke();
     FitMarks marks() const;
 
     void reshape(bool full);
@@ -75,7 +84,8 @@ class FitTool : public LayerTool {
     void stopWork();
 
     void showVertices(bool full) override;
-    void showDistances();
+    void showColors();
+    void showCarried(const MeshModel &on);
     void showLayers();
     void setSeen(FitPanel::Seen which);
     QString stateText() const;
@@ -88,6 +98,9 @@ class FitTool : public LayerTool {
 
     QPointF pressed;
     std::optional<FitEnd> dragged;
+    std::optional<WeightBrush> stroke;
+    FitPanel::Brush lastBrush = FitPanel::Carried; ///< of the two that paint
+    std::unique_ptr<LayerOverlay> targetOverlay;
     int selected = -1; ///< pair
     bool isClick = false;
     JobRunner work{this};

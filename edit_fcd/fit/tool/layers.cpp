@@ -64,7 +64,9 @@ void FitTool::open(MeshModel &newModel) {
     if (!wrong.empty())
         say("The curves of the layer " + inQuotes(newModel) + " are left out: " + wrong, true);
     takeTarget(newModel);
+    stroke.reset();
     enterLayer(newModel);
+    targetOverlay = std::make_unique<LayerOverlay>();
     selected = -1;
 }
 
@@ -112,6 +114,7 @@ void FitTool::close() {
     stopWork();
     optionsTimer.stop();
     dragged.reset();
+    stroke.reset();
     isStepWanted = isFollowWanted = false;
     leave();
     if (view && view->md() && !wasVisible.empty()) {
@@ -150,6 +153,11 @@ void FitTool::makePanel() {
         view->setFocus();
         showLayers();
     });
+    when(panel.data(), &FitPanel::brushChosen, [this] {
+        view->setFocus();
+        takeBrush();
+        refresh();
+    });
     when(panel.data(), &FitPanel::shapeChosen, [this] {
         later([this] { refresh(); });
         if (!isReady())
@@ -164,7 +172,7 @@ void FitTool::makePanel() {
     when(panel.data(), &FitPanel::distanceToggled, [this] {
         if (panel->showsDistance() && panel->seen() != FitPanel::Source)
             setSeen(FitPanel::Source); // the target lies in it
-        showDistances();
+        showColors();
     });
     when(panel.data(), &FitPanel::command, [this](int which) {
         guarded([&] { onCommand(which); });
@@ -212,6 +220,7 @@ void FitTool::onTarget() {
     if (session && target())
         session->setTargetName(target()->label().toStdString());
     showLayers();
+    showColors();
     if (isReady())
         reshape(true);
     refresh();

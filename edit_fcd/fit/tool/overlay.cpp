@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/fit/tool/overlay.h"
 
+#include "edit_fcd/view/layer_drawing.h"
+
 #include <layer_fcd/edit_host.h>
 
 namespace {
@@ -17,17 +19,15 @@ void drawEnd(const Eigen::Vector3d &p, const GLubyte *color, bool isSelected) {
     }
 }
 
-/// What follows comes over all that is drawn; until glPopAttrib().
-void beginOver() {
-    glPushAttrib(GL_ALL_ATTRIB_BITS);
-    glDisable(GL_LIGHTING);
-    glDisable(GL_TEXTURE_2D);
-    glDisable(GL_DEPTH_TEST);
-    glDepthMask(GL_FALSE);
-    glEnable(GL_POINT_SMOOTH);
-    glEnable(GL_BLEND);
-    glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-}
+/// Over all that is drawn, with round points.
+class PairDrawing : public FlatDrawing {
+  public:
+    PairDrawing() {
+        glEnable(GL_POINT_SMOOTH);
+        glEnable(GL_BLEND);
+        glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    }
+};
 
 void drawLine(const std::vector<Eigen::Vector3d> &places, const GLubyte *color) {
     for (const bool isRim : {true, false}) {
@@ -70,7 +70,7 @@ void drawCurves(const FitSession &session, const FitMarks &marks) {
     const std::shared_ptr<const FitLines> &lines = session.state().lines;
     if (!lines)
         return;
-    beginOver();
+    const PairDrawing drawing;
     for (std::size_t c = 0; c < lines->curves.size(); ++c) {
         std::vector<Eigen::Vector3d> source;
         source.reserve(lines->curves[c].source.size());
@@ -81,11 +81,10 @@ void drawCurves(const FitSession &session, const FitMarks &marks) {
         if (marks.showsSource)
             drawLine(source, sourceColor);
     }
-    glPopAttrib();
 }
 
 void drawPairs(const FitSession &session, const FitMarks &marks) {
-    beginOver();
+    const PairDrawing drawing;
     const std::vector<FitPair> &pairs = session.state().pairs;
     if (marks.showsSource && marks.showsTarget) {
         glLineWidth(2);
@@ -104,5 +103,4 @@ void drawPairs(const FitSession &session, const FitMarks &marks) {
         if (marks.showsTarget && each.place)
             drawEnd(*each.place, targetColor, int(i) == marks.selected);
     }
-    glPopAttrib();
 }

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/fit/tool/fit_tool.h"
+
+#include "edit_fcd/view/distance_colors.h"
+#include "edit_fcd/view/layer_ray.h"
+
+#include <algorithm>
+#include <cmath>
+
+// The brush that paints what counts, and the colours over the layers.
+
+void FitTool::setBrush(FitPanel::Brush which) {
+    panel->setBrush(which);
+    takeBrush();
+}
+
+/// The panel has another brush.
+void FitTool::takeBrush() {
+    if (isPainting())
+        lastBrush = panel->brush();
+    if (isPainting() && panel->seen() == FitPanel::InTurn)
+        setSeen(FitPanel::Source); // no click changes whose turn it is
+    view->setMouseTracking(isPainting());
+    showColors();
+}
+
+void FitTool::turnWheel(QWheelEvent *event) {
+    if (!isPainting() || event->modifiers() != Qt::NoModifier) {
+        toHost(*view, event);
+        return;
+    }
+    const double steps = event->angleDelta().y() / 120.0;
+    panel->setBrushSize(int(std::lround(panel->brushSize() * std::pow(1.15, steps) + (steps > 0 ? 0.5 : -0.5))));
+    view->update();
+}
+
+/// Of the layers that are shown, the one in front.
+MeshModel *FitTool::layerAtMouse() const {
+    const FitMarks shown = marks();
+    MeshModel *front = nullptr;
+    double least = 2;
+    for (MeshModel *each : {shown.showsSource ? model : nullptr, shown.showsTarget ? target() : nullptr}) {
+        const std::optional<LayerHit> hit =
+            each ? hitLayer(*each, seen, windowOfMouse().head<2>()) : std::optional<LayerHit>();
+        if (hit && hit->depth < least) {
+            front = each;
+            least = hit->depth;
+        }
+    }
+    return front;
+}
+
+/// \return false: there is nothing to paint on
+bool FitTool::beginStroke() {
+    MeshModel *on = layerAtMouse();
+    if (!on)
+        return false;
+    stopWork(); // which would go on by other weights
+    stroke.emplace(*session, *on, panel->brush() == FitPanel::Counts ? 1.f : 0.f, *view, seen);
+    strokeTo();
+    return true;
+}
+
+void FitTool::strokeTo() {
+    const MeshModel *on = layer() ? view->md()->getMesh(stroke->layer()) : nullptr;
+    if (!on)
+        return;
+    stroke->moveTo(windowOfMouse().head<2>(), panel->brushSize() * view->devicePixelRatioF(), *on, seen);
+    showCarried(*on);
+    view->update();
+}
+
+void FitTool::endStroke() {
+    const bool isChanged = stroke->end();
+    MeshModel *on = layer() ? view->md()->getMesh(stroke->layer()) : nullptr;
+    stroke.reset();
+    isStepWanted = false;
+    if (!on)
+        return;
+    if (isChanged)
+        on->setMeshModified();
+    panel->showOptions(session->state().options);
+    showColors();
+    if (session->state().shape == FitShape::Pulled)
+        reshape(true); // also where work was stopped
+    refresh();
+}
+
+/// Shows what of a layer is carried along.
+void FitTool::showCarried(const MeshModel &on) {
+    std::vector<vcg::Color4b> colors;
+    try {
+        colors = colorsOfCarried(session->weightsOf(on));
+    } catch (const vcg::fcd::Error &) { // it has none, which a pull tells
+    }
+    LayerOverlay &over = &on == model ? *overlay : *targetOverlay;
+    if (colors.empty())
+        over.hide();
+    else
+        over.show(on.cm, colors);
+}
+
+/// Shows what the brush has painted, or else distances from the target.
+void FitTool::showColors() {
+    if (!layer() || !panel)
+        return;
+    panel->showLegend(0);
+    if (isPainting()) {
+        showCarried(*model);
+        if (target())
+            showCarried(*target());
+        view->update();
+        return;
+    }
+    double most = 0;
+    std::vector<vcg::Color4b> colors;
+    const FittedSurface *fitted = panel->showsDistance() && target() && !dragged ? session->pulled(*target()) : nullptr;
+    if (fitted) {
+        most = 3 * std::max(fitted->report.percentile95, 1e-6 * fitted->diagonal); // beyond, nothing is a counterpart
+        for (std::size_t i = 0; i < fitted->distance.size(); ++i)
+            colors.push_back(fitted->matched[i] ? colorOfDistance(fitted->distance[i] / most) : colorOfNoCounterpart());
+    }
+    if (colors.empty())
+        overlay->hide();
+    else
+        overlay->show(model->cm, colors);
+    panel->showLegend(most);
+    view->update();
+}

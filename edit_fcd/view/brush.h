@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_BRUSH_H
+#define FCD_BRUSH_H
+
+#include <layer_fcd/edit_host.h> // before Qt
+
+#include "edit_fcd/view/camera.h"
+
+#include <functional>
+#include <vector>
+
+/// \file
+/// What of the world a brush or an outline covers in a window. All coordinates are those of the window: pixels of the
+/// device, y up.
+
+/// Depths of the window as it is drawn, from its lowest row on, from 0 to 1.
+std::vector<float> depthOf(GLArea &view, const Camera &seen);
+
+/// Whether places of the world are in a part of the window, and seen there.
+class SeenPart {
+  public:
+    using IsIn = std::function<bool(const Eigen::Vector2d &)>;
+
+    /// All of these must outlive it. \param depth as depthOf gives it; empty: what is hidden is as good
+    /// \param hair a place that is so far behind what is seen is seen as well, world units
+    SeenPart(const Camera &seen, const IsIn &isIn, const std::vector<float> &depth, double hair)
+        : seen(seen), isIn(isIn), depth(depth), hair(hair) {}
+    bool has(const Eigen::Vector3d &p) const;
+
+  private:
+    bool isSeen(const Eigen::Vector3d &p, const Eigen::Vector3d &window) const;
+
+    const Camera &seen;
+    const IsIn &isIn;
+    const std::vector<float> &depth;
+    const double hair;
+};
+
+/// Draws a polygon in the window.
+void drawOutline(const Camera &seen, const std::vector<Eigen::Vector2d> &polygon);
+/// Draws how far a brush reaches.
+void drawBrush(const Camera &seen, const Eigen::Vector2d &place, double radius);
+
+#endif
