@@ -266,7 +266,7 @@ class Fitter(Unchanging):
         target_weights: ArrayLike | None = None,
         check: Sequence[ArrayLike] | None = None,
         leave_one_out: bool = False,
-        curves: Sequence[Curve | Sequence[ArrayLike]] | None = None,
+        curves: Curve | Sequence[Curve | Sequence[ArrayLike]] | None = None,
         progress: Progress = None,
     ) -> Fitted:
         """Lays the surface onto another one, from rest.
@@ -325,7 +325,7 @@ class Fitter(Unchanging):
 
     def _fit(self, target: object, faces: object, landmarks: Sequence[ArrayLike] | None, normals: ArrayLike | None,
              weights: ArrayLike | None, check: Sequence[ArrayLike] | None, leave_one_out: bool,
-             curves: Sequence[Curve | Sequence[ArrayLike]] | None, told: Progress, level: int) -> Fitted:
+             curves: Curve | Sequence[Curve | Sequence[ArrayLike]] | None, told: Progress, level: int) -> Fitted:
         points, places = self._pairs("landmarks", landmarks)
         judges, judged = self._pairs("check", check)
         lines = self._curves(curves)
@@ -378,10 +378,10 @@ class Fitter(Unchanging):
     def _nearest(self, places: Points) -> NDArray[np.int64]:
         return _core.nearest_vertices(self._deformer.vertices, places, self._deformer._threads, None)
 
-    def _curves(self, curves: Sequence[Curve | Sequence[ArrayLike]] | None) -> list[tuple[NDArray[np.int64], Points, Points]]:
+    def _curves(self, curves: Curve | Sequence[Curve | Sequence[ArrayLike]] | None) -> list[tuple[NDArray[np.int64], Points, Points]]:
         """Of each, numbers of vertices, corners, and from the vertices to the places."""
         found, lines = [], {}
-        for k, curve in enumerate(() if curves is None else curves):
+        for k, curve in enumerate([curves] if isinstance(curves, Curve) else () if curves is None else curves):
             if isinstance(curve, Curve):
                 source, corners = _corners(f"the source of curve {k}", curve.source), _corners(f"the target of curve {k}", curve.target)
                 lines[k] = str(curve.name).encode("utf-8", "replace"), curve._file, curve._lines, source, corners
@@ -428,7 +428,7 @@ def fit(
     target_weights: ArrayLike | None = None,
     check: Sequence[ArrayLike] | None = None,
     leave_one_out: bool = False,
-    curves: Sequence[Curve | Sequence[ArrayLike]] | None = None,
+    curves: Curve | Sequence[Curve | Sequence[ArrayLike]] | None = None,
     start: FitStart = "as_they_lie",
     stiffness: float = 1.0,
     rigidity: float = 1.0,
