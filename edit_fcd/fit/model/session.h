@@ -174,7 +174,7 @@ class FitSession {
     std::optional<Stroke> stroke;
     std::string chosenTarget;
     std::shared_ptr<const FitToolState> kept; ///< that the layer got here, or that was taken from it
-    History<FitState> history{1000};          // each is some pairs
+    History<FitState> history{64};            // each may hold weights of its own
     std::vector<std::uint64_t> applied;       ///< the rest shapes of before each apply
 
     std::shared_ptr<const LayerFit> followFit; ///< which followFitter needs
