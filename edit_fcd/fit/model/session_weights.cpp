@@ -53,6 +53,8 @@ void FitSession::beginStroke(MeshModel &on) {
 }
 
 void FitSession::paint(const std::vector<std::size_t> &vertices, float weight) {
+    if (!stroke)
+        return;
     for (const std::size_t i : vertices) {
         stroke->isPainted = stroke->isPainted || stroke->weights[i] != weight;
         stroke->weights[i] = weight;
@@ -60,7 +62,10 @@ void FitSession::paint(const std::vector<std::size_t> &vertices, float weight) {
 }
 
 bool FitSession::endStroke() {
-    const Stroke painted = *std::exchange(stroke, std::nullopt);
+    if (!stroke)
+        return false;
+    const Stroke painted = std::move(*stroke);
+    stroke.reset();
     MeshModel *on = document.getMesh(painted.layer);
     if (!painted.isPainted || !on || on->cm.vert.size() != painted.weights.size())
         return false;

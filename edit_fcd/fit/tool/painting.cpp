@@ -62,7 +62,9 @@ bool FitTool::beginStroke() {
 }
 
 void FitTool::strokeTo() {
-    const MeshModel *on = layer() ? view->md()->getMesh(stroke->layer()) : nullptr;
+    if (!stroke || !layer())
+        return;
+    const MeshModel *on = view->md()->getMesh(stroke->layer());
     if (!on)
         return;
     stroke->moveTo(windowOfMouse().head<2>(), panel->brushSize() * view->devicePixelRatioF(), *on, seen);
@@ -71,6 +73,8 @@ void FitTool::strokeTo() {
 }
 
 void FitTool::endStroke() {
+    if (!stroke)
+        return;
     const bool isChanged = stroke->end();
     MeshModel *on = layer() ? view->md()->getMesh(stroke->layer()) : nullptr;
     stroke.reset();
