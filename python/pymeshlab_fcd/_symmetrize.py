@@ -29,8 +29,7 @@ class SymmetryInfo:
     plane: tuple[tuple[float, float, float], tuple[float, float, float]]
     """Of symmetry: a point on it, and its normal, of length 1."""
     plane_from: PlaneFrom
-    """It was `given`, is that of the pairs and the midline (`landmarks`), or that in which the surface is most like its mirror image
-    (`surface`)."""
+    """`given`; by pairs and midline (`landmarks`); or the plane in which the surface is most like its mirror image (`surface`)."""
     is_sure: bool
     """False: the surface is nearly as much like its mirror image in another plane."""
     before: float
@@ -38,38 +37,38 @@ class SymmetryInfo:
     after: float
     """The same of the symmetrized one: what is left."""
     asymmetry: float
-    """From places to where the mirror images of their counterparts are, root mean square: half of it is the way to symmetry."""
+    """Distance of places from the mirror images of their counterparts, root mean square. Half of it is the way to symmetry."""
     asymmetry_most: float
-    """The longest of these ways."""
+    """The largest of these distances."""
     moved: float
     """How far the surface was moved, root mean square."""
     moved_most: float
-    """And at most."""
+    """The same at most."""
     matched: float
-    """Share of the surface that has a counterpart on the other side, of what counts, 0 to 1."""
+    """Share of the counting surface that has a counterpart on the other side, 0 to 1."""
     guessed: float
-    """Share of the surface that has none, and was carried along, 0 to 1."""
+    """Share of the surface without a counterpart, which was carried along, 0 to 1."""
     guess_error: float
-    """How far that may be off, root mean square; not a number where nothing tells."""
+    """How far the guessed surface may be off, root mean square; not a number where nothing tells."""
     contradicted: tuple[int, ...]
-    """Numbers of the pairs, and then of the midline's points, from 0, that the others contradict."""
+    """Numbers, from 0, of the pairs that the others contradict; the midline's points are counted on after the pairs."""
     pairs: int
-    """How many there are."""
+    """Number of pairs."""
     midline: int
-    """How many points."""
+    """Number of points of the midline."""
     converged: bool
     """Whether the fit onto the mirror image came to rest."""
 
 
 class OtherSide(NamedTuple):
-    """Mirror images of what has no counterpart on a surface's other side."""
+    """Mirror images of the parts without a counterpart on the other side."""
 
     vertices: Points
     """k x 3."""
     faces: NDArray[np.int64] | None
     """m x 3 numbers of these vertices, outside as on the surface; None for a cloud."""
     source: NDArray[np.int64]
-    """k numbers of the surface's vertices that they are mirror images of."""
+    """k: for each, the number of the surface's vertex that it mirrors."""
 
 
 class Symmetrized(Pose):
@@ -87,7 +86,7 @@ class Symmetrized(Pose):
 
     @property
     def mirrored(self) -> Points:
-        """n x 3, read-only: where the mirror image of each vertex's counterpart is, on the surface as it was."""
+        """n x 3, read-only: for each vertex, the mirror image of its counterpart, on the surface as it was."""
         return self._mirrored
 
     @property
@@ -97,14 +96,13 @@ class Symmetrized(Pose):
 
     @property
     def asymmetry(self) -> NDArray[np.float64]:
-        """n distances: from each vertex to where the mirror image of its counterpart is, a length in units of the vertices. 0 is
-        symmetric."""
+        """n distances, in units of the vertices, of each vertex from the mirror image of its counterpart. 0 is symmetric."""
         rest = self.deformer.vertices
         return np.asarray(np.linalg.norm(self._mirrored - rest, axis=1), np.float64)
 
     def other_side(self) -> OtherSide:
-        """Mirror images of what has no counterpart, to be put in the place of what is missing there: of the faces none of whose corners is
-        matched, or of a cloud's points. Where one side has a hole, or is missing, this fills it with the good one."""
+        """Mirror images of the parts without a counterpart: of a mesh, the faces without a matched corner; of a cloud, the points. Join
+        them with the surface, and the good side fills a hole or a missing part of the other."""
         (point, normal), vertices = np.asarray(self._symmetry.plane), self.vertices
         chosen = ~self._matched
         faces = self.deformer.faces
