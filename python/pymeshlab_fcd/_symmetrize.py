@@ -163,11 +163,12 @@ def symmetrize(
     threads: int = 0,
     progress: Progress = None,
 ) -> Symmetrized:
-    """Restores the symmetry of a mesh or a cloud that was sheared, bent or pressed: it is fitted onto its own mirror image, and goes half
-    of the way. First by a smooth warp of all of it, then by what is local. What has no counterpart on the other side is carried along.
+    """Restores the symmetry of a mesh or a cloud that was sheared, bent or pressed. The surface is fitted onto its own mirror image, first by a
+    smooth warp of all of it, then by local deformations. Then it goes half of the way. Parts without a counterpart on the other side are
+    carried along.
 
-    Half of the way is not the middle of the positions, which shrinks what was bent: rotations go half of their angle. What a surface does
-    not tell is how it was deformed alike on both sides, as when it was flattened.
+    Rotations go half of their angle, so bent parts keep their length. A deformation that is alike on both sides, such as flattening, leaves no
+    trace and stays.
 
     Parameters
     ----------
@@ -176,25 +177,25 @@ def symmetrize(
     faces : array_like, optional
         m x 3 numbers of vertices; None: a cloud, or what the mesh has.
     plane : array_like, optional
-        2 x 3: a point on the plane of symmetry, and its normal. None: that of `pairs` and `midline`, or, where they do not tell one, that
+        2 x 3: a point on the plane of symmetry, and its normal. None: the plane of `pairs` and `midline`; if they do not tell one, the plane
         in which the surface is most like its mirror image.
     pairs : array_like, optional
-        k x 2 numbers of vertices, or k x 2 x 3 places left and right, that belong to each other's mirror image. Vertices do so
-        exactly then; a place goes with the vertex nearest to it.
+        k x 2 numbers of vertices, or k x 2 x 3 places, left and right. The vertices become exact mirror images of each other; a place stands
+        for the vertex nearest to it.
     midline : array_like, optional
-        k numbers of vertices, or k x 3 places: what belongs on the plane. Vertices are exactly there then.
+        k numbers of vertices, or k x 3 places, that belong on the plane. The vertices end exactly there.
     weights : array_like, optional
-        n numbers from 0 to 1, or a mask: how much each vertex counts. What has 0, such as a growth on one side, is carried along. None: all
+        n numbers from 0 to 1, or a mask: how much each vertex counts. Weight 0 is carried along, such as a growth on one side. None: all
         counts.
     normals : array_like, optional
         n x 3, at rest, which turn with the surface, and tell the sides of a cloud apart. None: those of its faces.
     stiffness : float, default 1.0
-        How rigid what is local is in the end, more than 0: 1 is the default, 10 is stiff.
+        How rigid the surface is against local deformations in the end, more than 0: 1 is the default, 10 is stiff.
     largest_distance : float, default 0.0
-        What is farther than this from the mirror image, in units of the vertices, has no counterpart there. 0: no limit.
+        A place farther than this from the mirror image, in units of the vertices, has no counterpart there. 0: no limit.
     landmark_tolerance : float, default 0.0
-        So far from where it belongs a landmark may be, in units of the vertices; above 0, those that the others contradict are left out of
-        the fit.
+        How far a landmark may stay from where it belongs, in units of the vertices. Above 0, landmarks that the others contradict are left out
+        of the fit.
     patches : int, default 150
         How many patches to begin with, from 1.
     smoothness : float, default 0.0058
@@ -204,7 +205,7 @@ def symmetrize(
     samples : int, default 6000
         How many places of the surface are matched, from 100.
     steps : int, default 50
-        The surface gets softer over so many at most, 2 to 10000.
+        The most steps from stiff to soft, 2 to 10000.
     threads : int, default 0
         How many to use; 0 is one a core.
     progress : Progress, optional
