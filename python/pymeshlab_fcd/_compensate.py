@@ -20,17 +20,17 @@ class CompensationInfo:
     """How far a part was warped, and what is made of it. Lengths are in units of the vertices."""
 
     before: float
-    """Distance of the nominal part, laid rigidly onto the scan, from it, root mean square where it is scanned."""
+    """Distance of the nominal part from the scan, when laid onto it rigidly, root mean square over the scanned surface."""
     left: float
-    """The same after the warp: noise of the scan, and what is not smooth."""
+    """The same after the warp: noise of the scan, and warps that are not smooth."""
     scanned: float
     """Share of the nominal surface that has a counterpart on the scan, 0 to 1."""
     change: float
-    """From the nominal vertices to what to print, root mean square."""
+    """Distance from the nominal vertices to those to print, root mean square."""
     change_most: float
-    """And at most."""
+    """The largest of these distances."""
     missed: float
-    """How far what is predicted to come out is from the nominal vertices, at most."""
+    """Largest distance of the part that is predicted to come out from the nominal vertices."""
 
 
 class Compensated:
@@ -44,7 +44,7 @@ class Compensated:
 
     @property
     def vertices(self) -> Points:
-        """n x 3, read-only: what to print, with the faces of the nominal part. Vertices at no face that lie beyond it stay."""
+        """n x 3, read-only: what to print, with the faces of the nominal part. Vertices without a face that lie beyond the part stay."""
         return self._vertices
 
     @property
@@ -54,11 +54,11 @@ class Compensated:
 
     @property
     def change(self) -> NDArray[np.float64]:
-        """n: how far each vertex is from where it is in the nominal part."""
+        """n distances: of each vertex from its nominal place."""
         return np.asarray(np.linalg.norm(self._vertices - self._nominal, axis=1), np.float64)
 
     def map(self, points: ArrayLike, *, progress: Progress = None) -> Points:
-        """Other points of the nominal part, where they are in what to print: supports, other resolutions, drawings.
+        """Takes other points of the nominal part to their places in the part to print: supports, other resolutions, drawings.
 
         Parameters
         ----------
@@ -70,7 +70,7 @@ class Compensated:
         return self._way.apply(_inputs.finite("points", _inputs.rows("points", points, lent=True)), False, report(progress))
 
     def predict(self, points: ArrayLike, *, progress: Progress = None) -> Points:
-        """Where points of what is printed come to lie, placed as the nominal part is, if it is warped again as it was.
+        """Predicts where points of the printed part come to lie, if it is warped again as it was. It lies as the nominal part does.
 
         Parameters
         ----------
@@ -98,12 +98,12 @@ def compensate(
     threads: int = 0,
     progress: Progress = None,
 ) -> Compensated:
-    """What to print so that the nominal part comes out: its scan tells how it is warped, and that is turned round. The warp is one of all
-    of space that is smooth, so that flat faces, round holes and sharp edges stay what they are, what is not scanned goes with what is, and
-    noise does not come through; whether vertices are welded makes no difference. Meshes of another library have their faces:
+    """Tells what to print so that the nominal part comes out. The scan of a printed part tells the warp; this turns it round. The warp is a
+    smooth one of all of space. So flat faces, round holes and sharp edges stay what they are, parts that were not scanned go with the
+    others, and noise does not come through. Welded or not makes no difference. Meshes of other libraries bring their faces:
     `compensate(mesh, scan)`.
 
-    It is assumed that what is printed at a place is warped as the nominal part was there: exactly so if the changes are small.
+    The method assumes that a place is warped as the nominal part was there. If the change is large, print, scan and compensate again.
 
     Parameters
     ----------

@@ -17,7 +17,7 @@ the pose itself, so that of a larger one, it is looked for where somebody asks."
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """Where a surface passes through itself, and did not at rest. What met or touched there, as neighbours do, does not count."""
+    """Where a surface passes through itself and did not at rest. Neighbours, and other triangles that touched at rest, do not count."""
 
     faces: NDArray[np.int64]
     """Ascending: numbers of the triangles that pass through another one."""

@@ -26,8 +26,8 @@ class Curve:
 
 
 def read_curves(path: str | os.PathLike[str]) -> list[Curve]:
-    """Curves of a table with a first row `curve, surface, x, y, z` and a row for each corner: the name of its curve, `source` or `target`,
-    and the place. The filter *FCD: Fit to Layer* reads the same as *Curves*, and makes the same bits of it.
+    """Reads curves from a table. Its first row is `curve, surface, x, y, z`; each other row is a corner: the name of its curve, `source` or
+    `target`, and the place. The filter *FCD: Fit to Layer* takes the same file as *Curves*, with the same bits.
 
     Parameters
     ----------

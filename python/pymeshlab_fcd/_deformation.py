@@ -21,9 +21,9 @@ from ._progress import Progress, report
 class Deformation:
     """A deformation of space, as `save_fcd_deformation` and [Pose.deformation][pymeshlab_fcd.Pose.deformation] make it.
 
-    Call it with points in world coordinates. Each point goes with the nearest place of the surface that was deformed, for
-    itself: the bits do not depend on how points are cut into pieces, on their order, or on threads. Any number of threads may
-    use one object at a time; it can be pickled, and is a megabyte or so then. Two are equal where they are the same to the bit.
+    Call it with points in world coordinates. Each point, by itself, goes with the nearest place of the deformed surface. So the bits do not
+    depend on how points are cut into pieces, on their order, or on threads. Any number of threads may use one object at a time. It can be
+    pickled, to a megabyte or so. Two are equal if all their bits are.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ class Deformation:
         return positions if turned is None else (positions, turned)
 
     def linear(self, xyz: ArrayLike, *, threads: int = 1, progress: Progress = None) -> NDArray[np.float64]:
-        """How space turns and stretches at points, by which what has directions goes along: strain, tensors, splats.
+        """How space turns and stretches at points: for strain, tensors, splats and all else that has directions.
 
         Parameters
         ----------
@@ -153,13 +153,13 @@ class Deformation:
 
     def grid(self, spacing: float | Sequence[float], *, low: ArrayLike | None = None, high: ArrayLike | None = None, axes: Axes = "LPS",
              kind: GridKind = "modeling", threads: int = 0, progress: Progress = None) -> DisplacementGrid:
-        """The same as displacements on a grid, to be saved for ITK, Slicer or VTK. Each of its points goes exactly where this carries it.
+        """Displacements on a grid, to save for ITK, Slicer or VTK. They are exact at the points of the grid.
 
         Parameters
         ----------
         spacing : float or Sequence[float]
-            From each point to the next, or one each along x, y and z. Between the points, whoever reads it takes a mean of them: choose it
-            no wider than the parts that move differently are apart.
+            From each point to the next, or one each along x, y and z. Other programs interpolate between the points: choose it no wider
+            than the gap between parts that move differently.
         low : array_like, optional
             The smallest coordinates of a box that the grid covers. None: those of the samples, and a spacing beyond.
         high : array_like, optional
@@ -167,8 +167,8 @@ class Deformation:
         axes : {'LPS', 'RAS'}, default 'LPS'
             Where the coordinates of the surface look to.
         kind : {'modeling', 'resampling'}, default 'modeling'
-            What the file says that it is. A volume is resampled by the way back, `pose.deformation(inverse=True)`, which is `resampling`;
-            points and surfaces are carried by the way there, which is `modeling`.
+            What the file says that it is. `modeling`: the way there, for points and surfaces. `resampling`: the way back,
+            `pose.deformation(inverse=True)`, to resample a volume.
         threads : int, default 0
             How many to use; 0 is one a core.
         progress : Progress, optional
@@ -210,7 +210,7 @@ class Deformation:
 
     @property
     def largest_difference(self) -> float | None:
-        """By how much a vertex of the surface that was deformed is off at most, in world units: what this approximates by.
+        """The largest error at a vertex of the deformed surface, in world units: this object is an approximation.
         None where the file, of an earlier version, does not tell."""
         largest = self._field.largest_difference
         return None if math.isnan(largest) else largest

@@ -28,58 +28,58 @@ _STARTS: Final = ("as_they_lie", "landmarks_rigid", "landmarks_similar", "axes")
 
 @dataclass(frozen=True)
 class FitInfo(PoseInfo):
-    """What became of a fit. Lengths are in units of the vertices. What [PoseInfo][pymeshlab_fcd.PoseInfo] tells of Eq. 2 (`energy`,
-    `discretisation_error`) is not a number here: the target moves the surface, too."""
+    """What became of a fit. Lengths are in units of the vertices. `energy` and `discretisation_error` of
+    [PoseInfo][pymeshlab_fcd.PoseInfo] are not a number here: the target moves the surface, too."""
 
     steps: int
-    """From stiff to soft."""
+    """Number of steps from stiff to soft."""
     rms: float
-    """Distance from the target where the surface is matched, root mean square."""
+    """Distance of the matched surface from the target, root mean square."""
     median: float
-    """Of the same distances."""
+    """Median of these distances."""
     percentile_95: float
-    """What 95 percent of them are within."""
+    """95 percent of these distances are within this."""
     matched: float
-    """Share of the surface that has a counterpart, of what counts, 0 to 1."""
+    """Share of the counting surface that has a counterpart, 0 to 1."""
     counted: float
-    """Share of the free surface that counts, as its `weights` are above 0; the rest was carried along."""
+    """Share of the free surface that counts, with `weights` above 0; the rest was carried along."""
     carried: int
-    """Separate parts that were carried by others, as nothing of the target leads them."""
+    """Number of separate parts that were carried by others, since nothing of the target leads them."""
     moved: float
-    """From how far what is matched came: the median of its way from rest."""
+    """Way of the matched surface from rest, median."""
     moved_most: float
     """The longest of these ways."""
     guessed: float
     """Share of the surface that is guessed, 0 to 1: it has no counterpart, and was carried along."""
     guess_error: float
-    """How far that may be off, root mean square, as the surface has bent where it is matched; not a number where nothing tells."""
+    """How far the guessed surface may be off, root mean square, judged by the bends of the matched one; not a number where nothing tells."""
     check: tuple[float, ...]
-    """How far each pair of `check` is from where it belongs: pairs that the fit has not seen."""
+    """Distance of each pair of `check` from where it belongs. The fit has not seen these pairs."""
     leave_one_out: tuple[float, ...]
-    """How far each landmark would be from where it belongs without itself, with `leave_one_out`: what the target and the others say of it."""
+    """With `leave_one_out`: distance of each landmark from where it belongs, in a fit without it."""
     landmarks: int
-    """How many there are."""
+    """Number of landmarks."""
     landmark_residual: float
     """The largest distance of a landmark from where it belongs."""
     curve_residual: float
     """The largest distance of a vertex or place of `curves` from its curve; 0 without any."""
     landmark_pull: float
-    """The remaining stretch at landmarks: large where they contradict each other."""
+    """The remaining stretch at landmarks: large if they contradict each other."""
     both_ways: bool
-    """Places of the target drew what is nearest, too: as asked, or as it fits better."""
+    """Whether places of the target drew the nearest surface, too: on request, or because it fits better."""
     inside_out: bool
-    """Its normals point to the other side than those of the target, which count as flipped."""
+    """Whether the surface faces the other way than the target; the target's normals were then flipped."""
     contradicted: tuple[int, ...]
     """Numbers of the landmarks that the others contradict, from 0; with a `landmark_tolerance`, they were left out."""
     target_not_finite: int
-    """Vertices of the target with a coordinate that is not a finite number, which were left out, with the faces at them."""
+    """Number of vertices of the target with a coordinate that is not finite; they and their faces were left out."""
     from_afar: bool
     """Surface and target did not overlap, and the surface was moved onto the target's middle first."""
 
 
 class Fitted(Pose):
-    """A surface that was laid onto another one, by [fit][pymeshlab_fcd.fit] or a [Fitter][pymeshlab_fcd.Fitter]: a
-    [Pose][pymeshlab_fcd.Pose] with all that one has."""
+    """A surface that was laid onto another one, by [fit][pymeshlab_fcd.fit] or a [Fitter][pymeshlab_fcd.Fitter]. It has all that a
+    [Pose][pymeshlab_fcd.Pose] has."""
 
     _report: dict[str, Any]
 
@@ -92,7 +92,7 @@ class Fitted(Pose):
 
     @functools.cached_property
     def info(self) -> FitInfo:
-        """What became of it; measured when it is asked for first."""
+        """What became of it. Measured on first use."""
         told, found, contact = self._told, dict(self._report), self._contact_of(None, 4)
         for name in ("diagonal", "beyond", "alone", "landmark_remarks", "target_remarks", "is_misplaced"):
             del found[name]
@@ -133,9 +133,9 @@ class Fitted(Pose):
 
 
 class Fitter(Unchanging):
-    """A surface or a cloud that is prepared once to be laid onto others. Any number of threads may fit one Fitter at a time; Python's
-    lock is free while it works. The same input gives the same bits, for any number of threads. It can be pickled, and is prepared again
-    where it is used then.
+    """A surface or a cloud, prepared once and laid onto others as often as wanted. Any number of threads may fit one Fitter at a time, and
+    Python's lock is free meanwhile. The same input gives the same bits, for any number of threads. A Fitter can be pickled; the process that
+    uses it prepares it again.
 
     Parameters
     ----------
@@ -150,36 +150,35 @@ class Fitter(Unchanging):
     normals : array_like, optional
         n x 3, at rest, which turn with the surface, and tell the sides of a cloud apart. None: those of its faces.
     weights : array_like, optional
-        n numbers from 0 to 1, or a mask: how much the match of each vertex counts. What has 0 is not matched, but carried along, as
-        something that the target lacks. None: all counts. A separate part that nothing of the target leads is carried by those around it
-        in any case: by what it belongs to or lies in.
+        n numbers from 0 to 1, or a mask: how much the match of each vertex counts. A vertex of weight 0 is not matched, but carried along,
+        as a part that the target lacks. None: all counts. Whatever its weight, a separate part that nothing of the target leads is carried by
+        the parts around it.
     copy : bool, default True
         False: `vertices` and `normals` are referred to instead of copied, as by a [Deformer][pymeshlab_fcd.Deformer].
     start : {'as_they_lie', 'landmarks_rigid', 'landmarks_similar', 'axes'}, default 'as_they_lie'
-        Where the surfaces do not lie on each other yet, moves all of this one first: `landmarks_rigid` and `landmarks_similar` (with a
-        scale) by the landmarks, three at least; `axes` so that middle and principal axes fall together, of the 24 ways the one that fits
-        best. `as_they_lie`, the only one where something is fixed or a handle: not at all, or, where nothing of the two overlaps and there are
-        no landmarks, onto the target's middle (`FitInfo.from_afar`). Where that leaves it strained, it is tried turned by its axes and scaled,
-        and a MatchWarning says which.
+        How all of the surface is moved first. `as_they_lie`: not at all. Only this one goes with fixed vertices or handles. Without an overlap
+        and landmarks, the surface is moved onto the target's middle (`FitInfo.from_afar`). If the fit then leaves it strained, it is tried
+        turned by its axes and scaled, and a MatchWarning says which. `landmarks_rigid`, `landmarks_similar` (with a scale): by the landmarks, at
+        least three. `axes`: middle onto middle and principal axes onto principal axes, in the best of 24 ways.
     stiffness : float, default 1.0
         How rigid the surface is in the end, more than 0: 1 is the default, 10 is stiff.
     rigidity : float, default 1.0
-        How much of the stiffness is against stretching, 0 to 1. 1: as rigid as possible, for what bends, as bodies do. 0: smooth, for what
-        is sheared, scaled or grown all over, as one skull to another: only how the map changes from place to place costs, as in a
-        thin-plate spline. What turns by far needs rigidity.
+        How much of the stiffness is against stretching, 0 to 1. 1: as rigid as possible, for shapes that bend, as bodies do. 0: smooth, for
+        shapes that are sheared, scaled or grown all over, as one skull to another. Only changes of the map from place to place cost then, as
+        in a thin-plate spline. Large turns need rigidity.
     largest_distance : float, default 0.0
-        What is farther than this from the target, in units of the vertices, has no counterpart there. 0: no limit.
+        A place farther than this from the target, in units of the vertices, has no counterpart. 0: no limit.
     largest_angle : float, default 70.0
-        A place whose normal is turned by more degrees than this is no counterpart, more than 0 to 180.
+        In degrees, more than 0 to 180: a place of the target whose normal differs by more is no counterpart.
     landmarks_only : bool, default False
         The surface follows its landmarks alone, as rigidly as `rigidity` says; a target is not needed.
     both_ways : bool, default False
-        Places of the target that nothing of the surface is near draw what is nearest, too, so that what is thin and long is reached. Not
-        where the target has parts that the surface lacks. False: where parts of the target are left, that is tried, and taken if nothing of
-        it is left then and more of the surface has a counterpart.
+        Whether places of the target without surface near draw the nearest surface, too. So thin, long parts are reached. Leave it off if the
+        target has parts that the surface lacks. False: tried if parts of the target are left, and kept if none are left then and more of
+        the surface has a counterpart.
     landmark_tolerance : float, default 0.0
-        So far from where it belongs a landmark may stay, in units of the vertices; 0: it is exact, as far as the graph is fine enough. Above
-        0, pairs that the others contradict are left out (`FitInfo.contradicted`).
+        How far a landmark may stay from where it belongs, in units of the vertices. 0: it is exact, if the graph is fine enough. Above 0, pairs
+        that the others contradict are left out (`FitInfo.contradicted`).
     patches : int, default 150
         How many patches to begin with, from 1.
     smoothness : float, default 0.0058
@@ -189,7 +188,7 @@ class Fitter(Unchanging):
     samples : int, default 6000
         How many places of the surface are matched, from 100.
     steps : int, default 50
-        The surface gets softer over so many at most, 2 to 10000, and the sooner the less it moves.
+        The most steps from stiff to soft, 2 to 10000; the less the surface moves, the fewer it takes.
     threads : int, default 0
         How many to use; 0 is one a core.
     progress : Progress, optional
@@ -279,30 +278,31 @@ class Fitter(Unchanging):
         target_faces : array_like, optional
             m x 3 numbers of its vertices; None: a cloud, or what the mesh has.
         landmarks : Sequence[array_like], optional
-            A pair, of what belongs together: numbers of free vertices, or places, of which the nearest vertices are taken; and the points
-            of the target where they belong. These are exact, or within `landmark_tolerance`.
+            Two arrays: numbers of free vertices (or places, which stand for the nearest vertices), and the points of the target where they
+            belong. They end there exactly, or within `landmark_tolerance`.
         target_normals : array_like, optional
             k x 3, of a cloud: they tell its sides apart.
         target_weights : array_like, optional
-            k numbers from 0 to 1, or a mask: how much each vertex of the target counts. What has 0 is as if it were not there. None: all
+            k numbers from 0 to 1, or a mask: how much each vertex of the target counts. Weight 0 is as if the vertex were not there. None: all
             counts.
         check : Sequence[array_like], optional
-            Pairs as of `landmarks`, of any vertices, which are kept back from the fit: how far they are from where they belong judges it
+            Two arrays as of `landmarks`, of any vertices. The fit does not see these pairs; their distance from where they belong judges it
             (`FitInfo.check`).
         leave_one_out : bool, default False
-            Also fits without each of the landmarks, which takes as many fits, and tells where these would be (`FitInfo.leave_one_out`).
+            Also fits without each landmark in turn, and tells its distance from where it belongs (`FitInfo.leave_one_out`). That takes one more
+            fit for each.
         curves : Sequence[Sequence[array_like]], optional
-            Pairs of curves that belong together and may slide along each other, such as lips, a ridge or a tooth's margin: for each, numbers
-            of free vertices (or places, which go with the vertices nearest to them) in any order, and the k x 3 corners of a polyline on
-            the target, in order. It is closed where its last corner is its first. Where the ends of an open one belong, say landmarks. Or
-            what [read_curves][pymeshlab_fcd.read_curves] reads of a file, with a polyline on each.
+            Curves that belong together and slide along each other, such as lips, a ridge or a tooth's margin. Each is two arrays: numbers of
+            free vertices (or places, which go with the nearest vertices) in any order, and the k x 3 corners of a polyline on the target,
+            in order. A polyline is closed if its last corner is its first. Landmarks hold the ends of an open one. Or pass what
+            [read_curves][pymeshlab_fcd.read_curves] reads from a file, with a polyline on each.
         progress : Progress, optional
             Told what is being done; see [Progress][pymeshlab_fcd.Progress].
 
         Returns
         -------
         Fitted
-            Where the vertices went, `Fitted.vertices`, and what that is worth, `Fitted.info`.
+            Where the vertices went, `Fitted.vertices`, and how good the fit is, `Fitted.info`.
 
         Raises
         ------
@@ -445,9 +445,9 @@ def fit(
     threads: int = 0,
     progress: Progress = None,
 ) -> Fitted:
-    """Lays a surface onto another one: bends it, as rigidly as possible, until it lies on triangles or points. What has no counterpart
-    there is carried along. What a [Fitter][pymeshlab_fcd.Fitter] and its [fit][pymeshlab_fcd.Fitter.fit] do, where all parameters are
-    explained, in one call. A mesh of another library has its faces: `fit(mesh, target)`, or `fit(mesh, target_vertices, target_faces)`.
+    """Lays a surface onto another one: bends it, as rigidly as possible, until it lies on triangles or points. Parts without a counterpart
+    are carried along. This is a [Fitter][pymeshlab_fcd.Fitter] and its [fit][pymeshlab_fcd.Fitter.fit] in one call; their reference explains
+    all parameters. Meshes of other libraries bring their faces: `fit(mesh, target)`, or `fit(mesh, target_vertices, target_faces)`.
 
     Parameters
     ----------
@@ -460,7 +460,7 @@ def fit(
     target_faces : array_like, optional
         m x 3 numbers of its vertices; None: a cloud, or what the mesh has.
     landmarks : Sequence[array_like], optional
-        A pair: numbers of free vertices or places, and the points of the target where they belong.
+        Two arrays: numbers of free vertices, or places, and the points of the target where they belong.
     tags : array_like, optional
         n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside. None: all is free.
     transforms : Transforms, optional
@@ -470,11 +470,11 @@ def fit(
     target_normals : array_like, optional
         k x 3, of a cloud.
     weights : array_like, optional
-        n numbers from 0, which is carried along and not matched, to 1; or a mask. None: all counts.
+        n numbers from 0 (carried along, not matched) to 1, or a mask. None: all counts.
     target_weights : array_like, optional
-        k numbers from 0, which is as if it were not there, to 1; or a mask. None: all counts.
+        k numbers from 0 (as if it were not there) to 1, or a mask. None: all counts.
     check : Sequence[array_like], optional
-        Pairs as of `landmarks` that are kept back, to judge the fit by: `FitInfo.check`.
+        Two arrays as of `landmarks`; these pairs are kept back, to judge the fit by: `FitInfo.check`.
     leave_one_out : bool, default False
         Also fits without each landmark: `FitInfo.leave_one_out`.
     curves : Sequence[Sequence[array_like]], optional
@@ -492,9 +492,9 @@ def fit(
     landmarks_only : bool, default False
         The surface follows its landmarks alone; `target_vertices` may be None.
     both_ways : bool, default False
-        The target draws the surface where nothing of it is near, too. False: where that fits better.
+        The target also draws the nearest surface to places without any. False: only if that fits better.
     landmark_tolerance : float, default 0.0
-        So far a landmark may stay from where it belongs. 0: it is exact.
+        How far a landmark may stay from where it belongs. 0: it is exact.
     patches : int, default 150
         How many patches to begin with.
     smoothness : float, default 0.0058
@@ -504,7 +504,7 @@ def fit(
     samples : int, default 6000
         How many places are matched.
     steps : int, default 50
-        From stiff to soft, at most.
+        The most steps from stiff to soft.
     threads : int, default 0
         How many to use; 0 is one a core.
     progress : Progress, optional

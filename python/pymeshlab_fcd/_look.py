@@ -42,8 +42,7 @@ class Look:
 
 @dataclass(frozen=True, eq=False)
 class Companion:
-    """Another mesh, or a cloud, that goes along in an animation: its vertices go as [Pose.map][pymeshlab_fcd.Pose.map] takes them, as eyes
-    in a head do."""
+    """Another mesh, or a cloud, that goes along in an animation, as eyes in a head do. [Pose.map][pymeshlab_fcd.Pose.map] takes its vertices."""
 
     vertices: ArrayLike | MeshLike
     """n x 3, in the space of the Deformer's; or a mesh of another library, without faces then."""

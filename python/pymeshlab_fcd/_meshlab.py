@@ -76,8 +76,8 @@ def enable_pymeshlab() -> list[str]:
 
 
 def deform_layer(ms: Any, tags: ArrayLike | None, transforms: Transforms | None = None, **parameters: Any) -> dict[str, Any]:
-    """Deforms the current layer of a MeshSet; the deformed layers become new ones, the last of them the current one. Colours, textures
-    and all else that the layer has come along. It needs the filters (`enable_pymeshlab`, which it calls).
+    """Deforms the current layer of a MeshSet. The results are new layers, with colours, textures and all else; the last one is then the
+    current layer. It calls `enable_pymeshlab` for the filters.
 
     Parameters
     ----------

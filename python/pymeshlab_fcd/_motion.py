@@ -30,8 +30,8 @@ def _numbers(name: str, values: ArrayLike, shape: tuple[int, ...]) -> str:
 class Motion:
     """A motion of a handle, in steps that are carried out in the order in which they were added.
 
-    A 4 x 4 matrix does as well, but for rotations of half a turn or more: on the way to a matrix (`percent`), the shortest
-    rotation is taken, and a full turn is none. World coordinates; matrices act on column vectors.
+    A 4 x 4 matrix does as well, but not for rotations of half a turn or more: a matrix takes the shortest way (`percent`), and a full turn
+    is none. World coordinates; matrices act on column vectors.
 
     ```python
     Motion.rotate([0, 0, 1], 270).then(Motion.translate([0, 0, 5]))

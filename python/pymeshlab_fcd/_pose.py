@@ -90,8 +90,8 @@ class _Solved:
 
 
 class Pose(Unchanging):
-    """A pose of a surface, as [Deformer.pose][pymeshlab_fcd.Deformer.pose] makes it. It does not change, and its arrays cannot be written
-    to. It can be pickled, with its Deformer, which is prepared again where something is asked of it for which that is needed."""
+    """A pose of a surface, as [Deformer.pose][pymeshlab_fcd.Deformer.pose] makes it. It does not change, and its arrays are read-only. It can
+    be pickled with its Deformer; that is prepared again only when something needs it."""
 
     def __init__(self, deformer: Deformer, core: _core.Posed) -> None:
         self._deformer = deformer
@@ -109,12 +109,12 @@ class Pose(Unchanging):
 
     @property
     def vertices(self) -> Points:
-        """n x 3, read-only: what is fixed or outside is as it was, to the bit, and handles are where they were put.
+        """n x 3, read-only. Fixed and outside vertices are as they were, to the bit; handles are where they were put.
 
         Raises
         ------
         ValueError
-            They are in an array of the caller's (`out`), who has written to it since.
+            They are in your array (`out`), and you have written to it since.
         """
         return self._vertices.look()
 
@@ -194,13 +194,13 @@ class Pose(Unchanging):
 
     @property
     def normals(self) -> Points:
-        """n x 3, read-only: the normals at rest that the Deformer was given, turned with the surface and as long as they were; or else, of
-        length 1, those of the faces in this pose, weighed by their angles (0 at a vertex without a face).
+        """n x 3, read-only. If the Deformer has normals at rest: these, turned with the surface and as long as they were. If not: those of
+        the faces in this pose, weighed by their angles, of length 1 (0 at a vertex without a face).
 
         Raises
         ------
         ValueError
-            A cloud that was given none, or they are in an array of the caller's (`out_normals`), who has written to it since.
+            A cloud without normals at rest, or they are in your array (`out_normals`), and you have written to it since.
         """
         if self._normals is None:
             rest = self._deformer._rest_normals
@@ -218,8 +218,8 @@ class Pose(Unchanging):
 
     @property
     def contact(self) -> Contact:
-        """Where it passes through itself, and did not at rest; looked for when it is asked for first, about a second for a million
-        triangles. A cloud passes through nothing.
+        """Where the surface passes through itself and did not at rest. Computed on first use, in about a second for a million triangles. A
+        cloud has no contact.
 
         Warns
         -----
@@ -230,12 +230,12 @@ class Pose(Unchanging):
 
     @functools.cached_property
     def info(self) -> PoseInfo:
-        """What became of it; measured when it is asked for first.
+        """What became of it. Measured on first use.
 
         Warns
         -----
         ContactWarning
-            It passes through itself, which was not looked for before.
+            It passes through itself, and nobody has looked before.
         """
         told, found, contact = self._told, self._check(), self._contact_of(None, 4)
         return PoseInfo(told["nodes"], told["iterations"], told["converged"], told["energy"], found["folded"], found["strained"],
@@ -243,8 +243,8 @@ class Pose(Unchanging):
                         contact=contact.triangles, contact_depth=contact.largest_depth, _error=self._solved.error)
 
     def discretisation_error(self, *, progress: Progress = None) -> float:
-        """How far it is, about, from the pose with a node at every vertex, because there are so few: root mean square, over the diagonal of
-        what bends; not a number where that cannot be told. It is computed when it is asked for first, from a second, coarser solution.
+        """Estimates the distance from the pose that a node at every vertex would give: root mean square, as a share of the diagonal of what
+        bends; not a number if that cannot be told. Computed on first use, from a second, coarser solution.
 
         Parameters
         ----------
@@ -254,8 +254,8 @@ class Pose(Unchanging):
         return self._solved.error(progress)
 
     def stretch(self, *, progress: Progress = None) -> NDArray[np.float32]:
-        """How much longer the surface got around each vertex: n, root mean square length of the edges there over that at rest; 1
-        is as long as before, 2 twice as long.
+        """How much longer the surface got around each vertex, n numbers: 1 is as long as at rest, 2 twice as long. It is the ratio of the root
+        mean square lengths of the edges there.
 
         Parameters
         ----------
@@ -313,8 +313,8 @@ class Pose(Unchanging):
         return _inputs.own(places, np.float64), _inputs.own(maps, np.float64)
 
     def deformation(self, *, inverse: bool = False, accuracy: float = 0.0, progress: Progress = None) -> Deformation:
-        """The same as a [Deformation][pymeshlab_fcd.Deformation], which can be saved and applied to any number of points: its samples
-        are as few as tell it.
+        """Makes a [Deformation][pymeshlab_fcd.Deformation], which can be saved and applied to any number of points. It has as few samples as
+        the accuracy allows.
 
         Parameters
         ----------

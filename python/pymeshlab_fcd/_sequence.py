@@ -67,8 +67,8 @@ class AnimationInfo:
 
 
 class PoseSequence:
-    """Poses, each with a name, and key frames of them. Poses are blended: the turns of a handle (turns of half a turn and more, too), the
-    ways of its middle and the logarithms of its scalings add up, each by its weight. [Pose sequences](sequences.md) tells more.
+    """Poses, each with a name, and key frames of them. A blend adds up, each by its weight, the turns of a handle (of any angle), the paths of
+    its middle and the logarithms of its scales. [Pose sequences](sequences.md) tells more.
 
     Parameters
     ----------
@@ -181,12 +181,12 @@ class PoseSequence:
         return [KeyFrame(time, self._named(weights), _EASINGS[easing]) for time, easing, weights in self._core.keys()]
 
     def weights_at(self, time: float) -> dict[str, float]:
-        """How many percent there are of each pose at a time.
+        """The percentage of each pose at a time.
 
         Parameters
         ----------
         time : float
-            Seconds; before the first key frame, and after the last one, it is as at that.
+            Seconds. Times before the first key frame, or after the last, give that key frame.
         """
         return self._named(self._core.weights_at(_inputs.number("time", time)))
 

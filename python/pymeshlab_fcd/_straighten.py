@@ -27,21 +27,21 @@ class LineInfo:
     new_length: float
     """And after."""
     jitter: float
-    """Of its points, across, root mean square a direction, that was taken out; 0 where they were taken as they are."""
+    """Of the points, across the line, root mean square a direction, that was removed. 0: none was."""
     left_middle: bool
-    """Whether `middle` was asked for, and left, as the surface would have been stretched more along that line."""
+    """Whether `middle` was on, but the given line was taken: the surface would have been stretched more along the middles."""
     twist: float
-    """Of the surface about the line, from end to end, in degrees, where it was taken out; else 0."""
+    """Of the surface about the line, from end to end, in degrees, that was removed with `untwist`; else 0."""
     following: int
     """Nodes of the deformation graph that go with the line."""
     released: int
-    """Nodes that do not, as that would fold the surface there, or make it twice or half as long."""
+    """Nodes that follow the others instead: going with the line would fold the surface there, or make it twice or half as long."""
     released_at: list[tuple[float, float]]
-    """Where these are along the line: from, to."""
+    """Where the released nodes are along the line: from, to."""
     rms: float
-    """By how much the surface is off from where its cross-sections go, root mean square."""
+    """Distance of the surface from where its cross-sections go, root mean square."""
     largest: float
-    """And at most."""
+    """The largest of these distances."""
 
 
 class Straightened(Pose):
@@ -88,9 +88,9 @@ def straighten(
     threads: int = 0,
     progress: Progress = None,
 ) -> Straightened:
-    """Straightens a mesh or a cloud along a line, or bends it: each cross-section goes as it is from its place on the line to that on
-    a straight line, an arc, or another line, without a twist of its own. Where cross-sections meet and would fold the surface, it
-    follows as rigidly as possible instead. A mesh of another library has its faces: `straighten(mesh, line)`, or
+    """Straightens a mesh or a cloud along a line, or bends it along another one. Each cross-section goes, unchanged and without twist, from
+    its place on the line to the same place on a straight line, an arc, or the target. Where cross-sections meet and would fold the
+    surface, it follows as rigidly as possible instead. Meshes of other libraries bring their faces: `straighten(mesh, line)`, or
     `straighten(mesh, line, target)`.
 
     Parameters
@@ -100,28 +100,27 @@ def straighten(
     faces : array_like, optional
         m x 3 numbers of vertices; None: a cloud, or what the mesh has.
     line : array_like, optional
-        k x 3, points of the line in their order; a smooth curve leads through them. Where they lie closer than the surface is thick and
-        jitter, as picked ones do, so that the surface would be stretched by more than a hundredth, that is taken out
-        (`Straightened.line.jitter`). It is one open line without branches, in the surface or on it.
+        k x 3, points of one open line without branches, in the surface or on it, in their order. A smooth curve leads through them. Points
+        that lie closer than the surface is thick may jitter, as picked ones do. Jitter that would stretch the surface by more than a
+        hundredth is removed (`Straightened.line.jitter`).
     target : array_like, optional
-        k x 3, points of the line that it becomes; it is laid along that from its beginning, and goes on straight where it is longer. None:
+        k x 3, points of the line that it becomes. It is laid along the target from the beginning, and goes on straight beyond its end. None:
         a straight line, or an arc, where the line is.
     degrees : float, default 0.0
         By how much the arc bends from end to end, less than 360; 0 is straight.
     direction : array_like, optional
         Of the straight line, or of the middle of the arc; None: from end to end of the line.
     towards : array_like, optional
-        Where the ends of the arc bend to; None: where those of the line do.
+        The direction that the ends of the arc bend to. None: as the ends of the line.
     length : float, default 0.0
         How long the line gets; 0: as long as it is. Cross-sections keep their size.
     middle : bool, default False
-        Whether the line through the middles of the cross-sections is taken instead of the given one, which then may lie on the surface.
-        It is left where the surface would be stretched more along it (`Straightened.line.left_middle`).
+        Whether to take the line through the middles of the cross-sections; the given line may then lie on the surface. The given line is
+        taken all the same if the middles would stretch the surface more (`Straightened.line.left_middle`).
     untwist : bool, default False
         Whether the cross-sections are turned about the line so that their longest axes lie alike.
     smoothing : float, default 0.0
-        Instead of the jitter of the points, wiggles of the line that are shorter than some six times this part of its length are smoothed
-        away, 0 to 0.25.
+        Share of the line's length, 0 to 0.25: wiggles shorter than some six times this are smoothed away, instead of jitter.
     normals : array_like, optional
         n x 3, at rest, which turn with the surface. None: those of its faces.
     patches : int, default 1000
@@ -129,7 +128,7 @@ def straighten(
     seed : int, default 1
         Chooses where the first patches are.
     smoothness : float, default 0.0058
-        Of what does not go with the line: 0.001 is loose, 0.1 is stiff.
+        Of the parts that do not go with the line: 0.001 is loose, 0.1 is stiff.
     weld_distance : float, default 1e-06
         Fraction of the diagonal up to which vertices on open borders count as one.
     threads : int, default 0
@@ -140,8 +139,8 @@ def straighten(
     Returns
     -------
     Straightened
-        Where the vertices went, `Straightened.vertices`: the same bits as those of the filter `generate_fcd_straightened_mesh`. Its `map`
-        carries other points along, its `deformation` can be saved, and `deformation(inverse=True)` leads back.
+        Where the vertices went, `Straightened.vertices`: the same bits as those of the filter `generate_fcd_straightened_mesh`. `map`
+        carries other points along. `deformation` makes a file, `deformation(inverse=True)` one that leads back.
 
     Raises
     ------

@@ -29,8 +29,7 @@ class SymmetryInfo:
     plane: tuple[tuple[float, float, float], tuple[float, float, float]]
     """Of symmetry: a point on it, and its normal, of length 1."""
     plane_from: PlaneFrom
-    """It was `given`, is that of the pairs and the midline (`landmarks`), or that in which the surface is most like its mirror image
-    (`surface`)."""
+    """`given`; by pairs and midline (`landmarks`); or the plane in which the surface is most like its mirror image (`surface`)."""
     is_sure: bool
     """False: the surface is nearly as much like its mirror image in another plane."""
     before: float
@@ -38,38 +37,38 @@ class SymmetryInfo:
     after: float
     """The same of the symmetrized one: what is left."""
     asymmetry: float
-    """From places to where the mirror images of their counterparts are, root mean square: half of it is the way to symmetry."""
+    """Distance of places from the mirror images of their counterparts, root mean square. Half of it is the way to symmetry."""
     asymmetry_most: float
-    """The longest of these ways."""
+    """The largest of these distances."""
     moved: float
     """How far the surface was moved, root mean square."""
     moved_most: float
-    """And at most."""
+    """The same at most."""
     matched: float
-    """Share of the surface that has a counterpart on the other side, of what counts, 0 to 1."""
+    """Share of the counting surface that has a counterpart on the other side, 0 to 1."""
     guessed: float
-    """Share of the surface that has none, and was carried along, 0 to 1."""
+    """Share of the surface without a counterpart, which was carried along, 0 to 1."""
     guess_error: float
-    """How far that may be off, root mean square; not a number where nothing tells."""
+    """How far the guessed surface may be off, root mean square; not a number where nothing tells."""
     contradicted: tuple[int, ...]
-    """Numbers of the pairs, and then of the midline's points, from 0, that the others contradict."""
+    """Numbers, from 0, of the pairs that the others contradict; the midline's points are counted on after the pairs."""
     pairs: int
-    """How many there are."""
+    """Number of pairs."""
     midline: int
-    """How many points."""
+    """Number of points of the midline."""
     converged: bool
     """Whether the fit onto the mirror image came to rest."""
 
 
 class OtherSide(NamedTuple):
-    """Mirror images of what has no counterpart on a surface's other side."""
+    """Mirror images of the parts without a counterpart on the other side."""
 
     vertices: Points
     """k x 3."""
     faces: NDArray[np.int64] | None
     """m x 3 numbers of these vertices, outside as on the surface; None for a cloud."""
     source: NDArray[np.int64]
-    """k numbers of the surface's vertices that they are mirror images of."""
+    """k: for each, the number of the surface's vertex that it mirrors."""
 
 
 class Symmetrized(Pose):
@@ -87,7 +86,7 @@ class Symmetrized(Pose):
 
     @property
     def mirrored(self) -> Points:
-        """n x 3, read-only: where the mirror image of each vertex's counterpart is, on the surface as it was."""
+        """n x 3, read-only: for each vertex, the mirror image of its counterpart, on the surface as it was."""
         return self._mirrored
 
     @property
@@ -97,14 +96,13 @@ class Symmetrized(Pose):
 
     @property
     def asymmetry(self) -> NDArray[np.float64]:
-        """n distances: from each vertex to where the mirror image of its counterpart is, a length in units of the vertices. 0 is
-        symmetric."""
+        """n distances, in units of the vertices, of each vertex from the mirror image of its counterpart. 0 is symmetric."""
         rest = self.deformer.vertices
         return np.asarray(np.linalg.norm(self._mirrored - rest, axis=1), np.float64)
 
     def other_side(self) -> OtherSide:
-        """Mirror images of what has no counterpart, to be put in the place of what is missing there: of the faces none of whose corners is
-        matched, or of a cloud's points. Where one side has a hole, or is missing, this fills it with the good one."""
+        """Mirror images of the parts without a counterpart: of a mesh, the faces without a matched corner; of a cloud, the points. Join
+        them with the surface, and the good side fills a hole or a missing part of the other."""
         (point, normal), vertices = np.asarray(self._symmetry.plane), self.vertices
         chosen = ~self._matched
         faces = self.deformer.faces
@@ -165,11 +163,12 @@ def symmetrize(
     threads: int = 0,
     progress: Progress = None,
 ) -> Symmetrized:
-    """Restores the symmetry of a mesh or a cloud that was sheared, bent or pressed: it is fitted onto its own mirror image, and goes half
-    of the way. First by a smooth warp of all of it, then by what is local. What has no counterpart on the other side is carried along.
+    """Restores the symmetry of a mesh or a cloud that was sheared, bent or pressed. The surface is fitted onto its own mirror image, first by a
+    smooth warp of all of it, then by local deformations. Then it goes half of the way. Parts without a counterpart on the other side are
+    carried along.
 
-    Half of the way is not the middle of the positions, which shrinks what was bent: rotations go half of their angle. What a surface does
-    not tell is how it was deformed alike on both sides, as when it was flattened.
+    Rotations go half of their angle, so bent parts keep their length. A deformation that is alike on both sides, such as flattening, leaves no
+    trace and stays.
 
     Parameters
     ----------
@@ -178,25 +177,25 @@ def symmetrize(
     faces : array_like, optional
         m x 3 numbers of vertices; None: a cloud, or what the mesh has.
     plane : array_like, optional
-        2 x 3: a point on the plane of symmetry, and its normal. None: that of `pairs` and `midline`, or, where they do not tell one, that
+        2 x 3: a point on the plane of symmetry, and its normal. None: the plane of `pairs` and `midline`; if they do not tell one, the plane
         in which the surface is most like its mirror image.
     pairs : array_like, optional
-        k x 2 numbers of vertices, or k x 2 x 3 places left and right, that belong to each other's mirror image. Vertices do so
-        exactly then; a place goes with the vertex nearest to it.
+        k x 2 numbers of vertices, or k x 2 x 3 places, left and right. The vertices become exact mirror images of each other; a place stands
+        for the vertex nearest to it.
     midline : array_like, optional
-        k numbers of vertices, or k x 3 places: what belongs on the plane. Vertices are exactly there then.
+        k numbers of vertices, or k x 3 places, that belong on the plane. The vertices end exactly there.
     weights : array_like, optional
-        n numbers from 0 to 1, or a mask: how much each vertex counts. What has 0, such as a growth on one side, is carried along. None: all
+        n numbers from 0 to 1, or a mask: how much each vertex counts. Weight 0 is carried along, such as a growth on one side. None: all
         counts.
     normals : array_like, optional
         n x 3, at rest, which turn with the surface, and tell the sides of a cloud apart. None: those of its faces.
     stiffness : float, default 1.0
-        How rigid what is local is in the end, more than 0: 1 is the default, 10 is stiff.
+        How rigid the surface is against local deformations in the end, more than 0: 1 is the default, 10 is stiff.
     largest_distance : float, default 0.0
-        What is farther than this from the mirror image, in units of the vertices, has no counterpart there. 0: no limit.
+        A place farther than this from the mirror image, in units of the vertices, has no counterpart there. 0: no limit.
     landmark_tolerance : float, default 0.0
-        So far from where it belongs a landmark may be, in units of the vertices; above 0, those that the others contradict are left out of
-        the fit.
+        How far a landmark may stay from where it belongs, in units of the vertices. Above 0, landmarks that the others contradict are left out
+        of the fit.
     patches : int, default 150
         How many patches to begin with, from 1.
     smoothness : float, default 0.0058
@@ -206,7 +205,7 @@ def symmetrize(
     samples : int, default 6000
         How many places of the surface are matched, from 100.
     steps : int, default 50
-        The surface gets softer over so many at most, 2 to 10000.
+        The most steps from stiff to soft, 2 to 10000.
     threads : int, default 0
         How many to use; 0 is one a core.
     progress : Progress, optional
