@@ -27,7 +27,7 @@ std::string inSteps(const vcg::fcd::PoseWay &way) {
 
 HostFilterPlugin::ReturnedValues FilterFcd::buildGraph(const RichParameterList &parameters, MeshDocument &document,
                                                        MeshModel &layer, const Progress &progress) {
-    const BuildGraphParam param = buildGraphParam(parameters);
+    const auto param = read<BuildGraphParam>(parameters, document);
     const vcg::fcd::CentroidalGraph graph = addGraphLayers(document, layer, param, toLog(), progress);
 
     const int patches = int(graph.geometry.position.cols()), edges = int(graph.geometry.edge.size());
@@ -54,7 +54,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
                                                        MeshModel &current, const Progress &progress) {
     const bool inWindow = host::inWindow();
     MeshModel &layer = meant(DeformMesh, current, document);
-    const DeformMeshParam param = deformMeshParam(parameters, document);
+    const auto param = read<DeformMeshParam>(parameters, document);
     const DeformedLayers made =
         LayerDeformer(document, layer, preparedLayers, toLog()).deform(param, inWindow, progress);
     const vcg::fcd::DeformationResult &result = made.result;
@@ -98,7 +98,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
 
 HostFilterPlugin::ReturnedValues FilterFcd::pose(const RichParameterList &parameters, MeshDocument &document,
                                                  MeshModel &layer, const Progress &progress) {
-    const PoseParam param = poseParam(parameters, document);
+    const auto param = read<PoseParam>(parameters, document);
     const PoseResult result = LayerDeformer(document, layer, preparedLayers, toLog()).pose(param, progress);
     std::ostringstream line;
     line << describe(result.tags) << "; " << result.nodes << " nodes, " << inSteps(result.way) << result.iterations
@@ -126,7 +126,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::pose(const RichParameterList &parame
 
 HostFilterPlugin::ReturnedValues FilterFcd::copy(const RichParameterList &parameters, MeshDocument &document,
                                                  MeshModel &current, const Progress &progress) {
-    const CopyParam param = copyParam(parameters, document);
+    const auto param = read<CopyParam>(parameters, document);
     std::vector<MeshModel *> targets(1, &current);
     if (param.allVisible) {
         targets.clear();
@@ -149,7 +149,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::copy(const RichParameterList &parame
 
 HostFilterPlugin::ReturnedValues FilterFcd::save(const RichParameterList &parameters, const MeshDocument &document,
                                                  const Progress &progress) {
-    const SavedDeformation saved = saveDeformation(saveDeformationParam(parameters, document), progress);
+    const SavedDeformation saved = saveDeformation(read<SaveDeformationParam>(parameters, document), progress);
     logLine(describe(saved));
     warn(warningsOf(saved));
     return valuesOf(saved);
