@@ -6,6 +6,7 @@
 #include <layer_fcd/deformed_copies.h>
 #include <layer_fcd/graph_layer.h>
 #include <layer_fcd/layer_deformer.h>
+#include <layer_fcd/layer_labels.h>
 #include <layer_fcd/results.h>
 #include <layer_fcd/saved_deformation.h>
 
@@ -61,33 +62,28 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
     if (inWindow)
         logLine((made.replaced == 0 ? std::string()
                                     : std::to_string(made.replaced) + " layers of the last try are replaced. ") +
-                "'" + made.layers.back()->label().toStdString() + "' is shown, '" + layer.label().toStdString() +
-                "' and the graphs are hidden. Another try deforms '" + layer.label().toStdString() +
-                "' again and replaces this result: rename a result to keep it.");
+                inQuotes(*made.layers.back()) + " is shown, " + inQuotes(layer) +
+                " and the graphs are hidden. Another try deforms " + inQuotes(layer) +
+                " again and replaces this result: rename a result to keep it.");
 
-    const int nodes = int(result.rest.position.cols());
     logLine(describe(result.surface));
     std::ostringstream line;
-    line << describe(result.tags) << "; " << nodes << " nodes, " << inSteps(result.pose.way) << result.iterations
-         << " iterations; " << result.secondsGraph << " s for the graph, " << result.secondsSolve << " s to bend it, "
-         << result.secondsMap << " s for the mesh.";
+    line << describe(result.tags) << "; " << result.rest.position.cols() << " nodes, " << inSteps(result.pose.way)
+         << result.iterations << " iterations; " << result.secondsGraph << " s for the graph, " << result.secondsSolve
+         << " s to bend it, " << result.secondsMap << " s for the mesh.";
     logLine(line.str());
     for (const std::string &remark : describe(made, param))
         logLine(remark);
     warn(describe(result.check, result.surface));
     warn(warningsOf(result.contact));
     warnOf(result.pose.way, result.converged, result.discretisationError);
-    ReturnedValues values = valuesOf(result.surface);
-    values.merge(valuesOf(result.contact));
+    ReturnedValues values = valuesOf(result);
     values.merge(valuesOf(result.tags));
     values.merge(valuesOf(result.pose.way));
     values.insert({{"loose_parts", result.looseParts},
                    {"pose_percent", made.percent},
-                   {"folded_triangles", result.check.flipped},
                    {"strained_edges", result.check.strained},
-                   {"nodes", nodes},
                    {"iterations", result.iterations},
-                   {"converged", result.converged},
                    {"energy", result.energy},
                    {"discretisation_error", valueOfDiscretisation(result.discretisationError)},
                    {"seconds_graph", result.secondsGraph},
@@ -139,12 +135,11 @@ HostFilterPlugin::ReturnedValues FilterFcd::copy(const RichParameterList &parame
             throw Error("No layer but the source and its graphs is visible. Show those that are to be deformed.");
     }
     const DeformedCopies made = copyDeformation(document, param, targets, toLog(), progress);
-    const int layers = int(targets.size());
-    logLine(std::to_string(layers) + (layers == 1 ? " layer of " : " layers of ") + std::to_string(made.vertices) +
+    logLine(counted(targets.size(), "layer of ", "layers of ") + std::to_string(made.vertices) +
             " vertices deformed as '" + (param.file.isEmpty() ? param.source->label() : param.file).toStdString() +
             "'.");
     warn(made.warnings);
-    return {{"layers", layers}, {"vertices", made.vertices}};
+    return {{"layers", int(targets.size())}, {"vertices", made.vertices}};
 }
 
 HostFilterPlugin::ReturnedValues FilterFcd::save(const RichParameterList &parameters, const MeshDocument &document,

@@ -5,6 +5,7 @@
 
 #include <layer_fcd/kept_aside.h>
 #include <layer_fcd/layer_fitter.h>
+#include <layer_fcd/layer_labels.h>
 #include <layer_fcd/layer_straightener.h>
 #include <layer_fcd/layer_symmetrizer.h>
 #include <layer_fcd/results.h>
@@ -23,8 +24,7 @@ MeshModel &input(MeshDocument &document) {
     if (!layer)
         throw Error("There is no layer. Open a mesh first.");
     if (layer->cm.vn == 0)
-        throw Error("The layer '" + layer->label().toStdString() +
-                    "' has no vertices. Make the mesh the current layer.");
+        throw Error("The layer " + inQuotes(*layer) + " has no vertices. Make the mesh the current layer.");
     return *layer;
 }
 
@@ -177,8 +177,8 @@ HostFilterPlugin::ReturnedValues FilterFcd::tell(const std::string &line, const 
 template <class Made>
 HostFilterPlugin::ReturnedValues FilterFcd::tell(const Made &made) const {
     logLine(describe(made.result.surface));
-    ReturnedValues values = valuesOf(made);
-    values.merge(valuesOf(made.result.contact));
+    ReturnedValues values = valuesOf(made.result);
+    values.merge(valuesOf(made));
     warn(warningsOf(made.result.contact));
     return tell(describe(made), warningsOf(made), values);
 }

@@ -5,7 +5,8 @@ using host::Shown;
 
 namespace {
 
-void askCurves(Fields &fields, FitMeshParam &param) {
+/// Curves that lead a fit, and pairs that it is judged by.
+void askCurvesAndChecks(Fields &fields, FitMeshParam &param) {
     if (!fields.mayBeNewer())
         return;
     fields.openFile(
@@ -15,12 +16,6 @@ void askCurves(Fields &fields, FitMeshParam &param) {
         "of the curve, <i>source</i> (the current layer) or <i>target</i>, and the place, in world coordinates, in "
         "order along the line. It is closed where its last corner is its first. The vertices along the source's line "
         "are drawn to that of the target. <b>Empty</b> (the default): none.");
-}
-
-/// Pairs that a fit is judged by.
-void askChecks(Fields &fields, FitMeshParam &param) {
-    if (!fields.mayBeNewer())
-        return;
     fields.openFile("check_file", param.checkFile, Shown::Advanced, {"*.csv", "*.pp"}, "Check pairs (.csv, .pp)",
                     "Pairs as in the landmark file, kept back from the fit. The log tells how far they are from where "
                     "they belong: that judges the fit. <b>Empty</b> (the default): none.");
@@ -66,8 +61,7 @@ void ask(Fields &fields, FitMeshParam &param) {
                     "If the landmark file is picked points of the current layer: those of the target, with the same "
                     "names. <b>Empty</b> (the default): the landmark file holds both ends.");
     askLandmarkTolerance(fields, fit);
-    askCurves(fields, param);
-    askChecks(fields, param);
+    askCurvesAndChecks(fields, param);
     fields.field(
         "landmarks_only", param.landmarksOnly, Shown::Advanced, "Landmarks only",
         "The surface follows the landmarks, as rigidly as 'rigidity' says. Nothing else of the target counts.");

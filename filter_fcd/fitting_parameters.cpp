@@ -12,10 +12,9 @@ namespace {
 /// The only other layer, or else the current one, which is no target.
 const MeshModel *likelyTarget(const MeshDocument &document) {
     const std::vector<const MeshModel *> layers = host::layers(document);
-    const MeshModel *current = const_cast<MeshDocument &>(document).mm(); // which is not changed
     if (layers.size() != 2)
-        return current;
-    return layers[0] == current ? layers[1] : layers[0];
+        return document.mm();
+    return layers[0] == document.mm() ? layers[1] : layers[0];
 }
 
 } // namespace
