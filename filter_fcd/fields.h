@@ -12,14 +12,16 @@ class Fields {
 
     /// Declares. Lengths are relative to the current layer, if there is one.
     explicit Fields(const MeshDocument &document) : document(document) {}
-    /// Reads. What \p given lacks keeps its value.
+    /// Reads. \throw what the host does where \p given lacks one
     Fields(const MeshDocument &document, const RichParameterList &given) : document(document), given(&given) {}
 
     const RichParameterList &declared() const { return list; }
     bool areRead() const { return given; }
     bool isGiven(const QString &name) const { return given && given->hasParameter(name); }
-    /// Whether newer ones may be among them that the window has and a script need not have.
-    bool mayBeNewer() const { return given || !host::firstMayBeLacking(); }
+    /// Whether newer ones are among them, of which \p first is the first: the window has them, a script may lack them.
+    bool hasNewer(const QString &first) const { return given ? isGiven(first) : !host::firstMayBeLacking(); }
+    /// From here on, what is read and not given keeps its value. So do layers in any case.
+    void letLack() { mayLack = true; }
 
     void field(const QString &name, bool &value, Shown shown, const QString &label, const QString &help);
     void field(const QString &name, int &value, Shown shown, const QString &label, const QString &help);
@@ -77,12 +79,13 @@ class Fields {
     void visit(const QString &name, Shown shown, const Read &read, const Arguments &...arguments) {
         if (!given)
             host::addParameter<Rich>(list, shown, name, arguments...);
-        else if (isGiven(name))
+        else if (!mayLack || isGiven(name))
             read();
     }
 
     RichParameterList list;
     const RichParameterList *given = nullptr;
+    bool mayLack = false;
 };
 
 /// The parameter that names HandleParam::likeLayer. Older scripts may lack it.

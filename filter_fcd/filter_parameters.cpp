@@ -105,6 +105,7 @@ void ask(Fields &fields, DeformMeshParam &param) {
 }
 
 void ask(Fields &fields, PoseParam &param) {
+    fields.letLack(); // those that no dialog shows, where it does not fold
     askHandles(fields, param.handles);
     askTargetRadius(fields, param.deformation.graph);
     askInitialPatches(fields, param.deformation.graph);

@@ -7,15 +7,16 @@ namespace {
 
 /// Curves that lead a fit, and pairs that it is judged by.
 void askCurvesAndChecks(Fields &fields, FitMeshParam &param) {
-    if (!fields.mayBeNewer())
+    if (fields.hasNewer("curves_file"))
+        fields.openFile(
+            "curves_file", param.curveFile, Shown::Advanced, {"*.csv"}, "Curves (.csv)",
+            "Lines of the two layers that belong together and slide along each other, such as lips, a ridge or a "
+            "tooth's margin. A table with a first row <i>curve, surface, x, y, z</i> and a row for each corner of a "
+            "line: the name of the curve, <i>source</i> (the current layer) or <i>target</i>, and the place, in world "
+            "coordinates, in order along the line. It is closed where its last corner is its first. The vertices along "
+            "the source's line are drawn to that of the target. <b>Empty</b> (the default): none.");
+    if (!fields.hasNewer("check_file"))
         return;
-    fields.openFile(
-        "curves_file", param.curveFile, Shown::Advanced, {"*.csv"}, "Curves (.csv)",
-        "Lines of the two layers that belong together and slide along each other, such as lips, a ridge or a tooth's "
-        "margin. A table with a first row <i>curve, surface, x, y, z</i> and a row for each corner of a line: the name "
-        "of the curve, <i>source</i> (the current layer) or <i>target</i>, and the place, in world coordinates, in "
-        "order along the line. It is closed where its last corner is its first. The vertices along the source's line "
-        "are drawn to that of the target. <b>Empty</b> (the default): none.");
     fields.openFile("check_file", param.checkFile, Shown::Advanced, {"*.csv", "*.pp"}, "Check pairs (.csv, .pp)",
                     "Pairs as in the landmark file, kept back from the fit. The log tells how far they are from where "
                     "they belong: that judges the fit. <b>Empty</b> (the default): none.");
@@ -29,7 +30,7 @@ void askCurvesAndChecks(Fields &fields, FitMeshParam &param) {
 
 /// How much of the two layers counts.
 void askWeights(Fields &fields, FitMeshParam &param) {
-    if (!fields.mayBeNewer())
+    if (!fields.hasNewer("weights"))
         return;
     askWeightSource(
         fields, "weights", param.weights, "Weights from",
@@ -74,7 +75,7 @@ void ask(Fields &fields, FitMeshParam &param) {
         "lie</b> moves the layer onto the target's middle, too, and says so. If the layer comes out strained, it is "
         "tried turned by its axes, and scaled, and the log says which.");
     askStiffness(fields, fit);
-    if (fields.mayBeNewer())
+    if (fields.hasNewer("rigidity"))
         fields.field("rigidity", fit.rigidity, Shown::Advanced, "Rigidity (1 rigid, 0 smooth)",
                      "How much of the stiffness is against stretching. <b>1</b> (the default): as rigid as possible, "
                      "for what bends, as bodies do. <b>0</b>: smooth, for what is sheared, scaled or grown all over, "

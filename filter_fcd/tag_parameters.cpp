@@ -75,6 +75,7 @@ void ask(Fields &fields, SaveTagsParam &param) {
                   "tag.</li><li><i>Selection</i>: selected vertices are the handle, vertices of selected faces are "
                   "fixed, the rest is free. The handle wins where both are selected.</li><li><i>Custom vertex "
                   "attribute</i>: the attribute below.</li></ul>");
+    fields.letLack();
     askTagAttribute(fields, param.handles);
     fields.saveFile("tag_file", param.tagFile, Shown::Always, "*.sel", "Write tags to (.sel)",
                     "The file to write: one tag a line, in the order of the vertices. An existing file is replaced.");
