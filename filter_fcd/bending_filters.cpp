@@ -6,6 +6,7 @@
 #include <layer_fcd/deformed_copies.h>
 #include <layer_fcd/graph_layer.h>
 #include <layer_fcd/layer_deformer.h>
+#include <layer_fcd/layer_labels.h>
 #include <layer_fcd/results.h>
 #include <layer_fcd/saved_deformation.h>
 
@@ -27,7 +28,7 @@ std::string inSteps(const vcg::fcd::PoseWay &way) {
 
 HostFilterPlugin::ReturnedValues FilterFcd::buildGraph(const RichParameterList &parameters, MeshDocument &document,
                                                        MeshModel &layer, const Progress &progress) {
-    const BuildGraphParam param = buildGraphParam(parameters);
+    const auto param = read<BuildGraphParam>(parameters, document);
     const vcg::fcd::CentroidalGraph graph = addGraphLayers(document, layer, param, toLog(), progress);
 
     const int patches = int(graph.geometry.position.cols()), edges = int(graph.geometry.edge.size());
@@ -54,40 +55,35 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
                                                        MeshModel &current, const Progress &progress) {
     const bool inWindow = host::inWindow();
     MeshModel &layer = meant(DeformMesh, current, document);
-    const DeformMeshParam param = deformMeshParam(parameters, document);
+    const auto param = read<DeformMeshParam>(parameters, document);
     const DeformedLayers made =
         LayerDeformer(document, layer, preparedLayers, toLog()).deform(param, inWindow, progress);
     const vcg::fcd::DeformationResult &result = made.result;
     if (inWindow)
         logLine((made.replaced == 0 ? std::string()
                                     : std::to_string(made.replaced) + " layers of the last try are replaced. ") +
-                "'" + made.layers.back()->label().toStdString() + "' is shown, '" + layer.label().toStdString() +
-                "' and the graphs are hidden. Another try deforms '" + layer.label().toStdString() +
-                "' again and replaces this result: rename a result to keep it.");
+                inQuotes(*made.layers.back()) + " is shown, " + inQuotes(layer) +
+                " and the graphs are hidden. Another try deforms " + inQuotes(layer) +
+                " again and replaces this result: rename a result to keep it.");
 
-    const int nodes = int(result.rest.position.cols());
     logLine(describe(result.surface));
     std::ostringstream line;
-    line << describe(result.tags) << "; " << nodes << " nodes, " << inSteps(result.pose.way) << result.iterations
-         << " iterations; " << result.secondsGraph << " s for the graph, " << result.secondsSolve << " s to bend it, "
-         << result.secondsMap << " s for the mesh.";
+    line << describe(result.tags) << "; " << result.rest.position.cols() << " nodes, " << inSteps(result.pose.way)
+         << result.iterations << " iterations; " << result.secondsGraph << " s for the graph, " << result.secondsSolve
+         << " s to bend it, " << result.secondsMap << " s for the mesh.";
     logLine(line.str());
     for (const std::string &remark : describe(made, param))
         logLine(remark);
     warn(describe(result.check, result.surface));
     warn(warningsOf(result.contact));
     warnOf(result.pose.way, result.converged, result.discretisationError);
-    ReturnedValues values = valuesOf(result.surface);
-    values.merge(valuesOf(result.contact));
+    ReturnedValues values = valuesOf(result);
     values.merge(valuesOf(result.tags));
     values.merge(valuesOf(result.pose.way));
     values.insert({{"loose_parts", result.looseParts},
                    {"pose_percent", made.percent},
-                   {"folded_triangles", result.check.flipped},
                    {"strained_edges", result.check.strained},
-                   {"nodes", nodes},
                    {"iterations", result.iterations},
-                   {"converged", result.converged},
                    {"energy", result.energy},
                    {"discretisation_error", valueOfDiscretisation(result.discretisationError)},
                    {"seconds_graph", result.secondsGraph},
@@ -98,7 +94,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
 
 HostFilterPlugin::ReturnedValues FilterFcd::pose(const RichParameterList &parameters, MeshDocument &document,
                                                  MeshModel &layer, const Progress &progress) {
-    const PoseParam param = poseParam(parameters, document);
+    const auto param = read<PoseParam>(parameters, document);
     const PoseResult result = LayerDeformer(document, layer, preparedLayers, toLog()).pose(param, progress);
     std::ostringstream line;
     line << describe(result.tags) << "; " << result.nodes << " nodes, " << inSteps(result.way) << result.iterations
@@ -126,7 +122,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::pose(const RichParameterList &parame
 
 HostFilterPlugin::ReturnedValues FilterFcd::copy(const RichParameterList &parameters, MeshDocument &document,
                                                  MeshModel &current, const Progress &progress) {
-    const CopyParam param = copyParam(parameters, document);
+    const auto param = read<CopyParam>(parameters, document);
     std::vector<MeshModel *> targets(1, &current);
     if (param.allVisible) {
         targets.clear();
@@ -139,17 +135,16 @@ HostFilterPlugin::ReturnedValues FilterFcd::copy(const RichParameterList &parame
             throw Error("No layer but the source and its graphs is visible. Show those that are to be deformed.");
     }
     const DeformedCopies made = copyDeformation(document, param, targets, toLog(), progress);
-    const int layers = int(targets.size());
-    logLine(std::to_string(layers) + (layers == 1 ? " layer of " : " layers of ") + std::to_string(made.vertices) +
+    logLine(counted(targets.size(), "layer of ", "layers of ") + std::to_string(made.vertices) +
             " vertices deformed as '" + (param.file.isEmpty() ? param.source->label() : param.file).toStdString() +
             "'.");
     warn(made.warnings);
-    return {{"layers", layers}, {"vertices", made.vertices}};
+    return {{"layers", int(targets.size())}, {"vertices", made.vertices}};
 }
 
 HostFilterPlugin::ReturnedValues FilterFcd::save(const RichParameterList &parameters, const MeshDocument &document,
                                                  const Progress &progress) {
-    const SavedDeformation saved = saveDeformation(saveDeformationParam(parameters, document), progress);
+    const SavedDeformation saved = saveDeformation(read<SaveDeformationParam>(parameters, document), progress);
     logLine(describe(saved));
     warn(warningsOf(saved));
     return valuesOf(saved);

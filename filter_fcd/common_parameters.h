@@ -8,59 +8,44 @@
 /// What several filters ask for.
 
 // What moves, and how.
-/// \param shown what says how handles move, and which
-void addHandles(RichParameterList &list, const HandleParam &handles, const MeshDocument &document,
-                host::Shown shown = host::Shown::Always);
-/// \throw vcg::fcd::Error when a value makes no sense
-HandleParam handleParam(const RichParameterList &list, const MeshDocument &document);
+/// \param shown what says how handles move, and which. Not validated
+void askHandles(Fields &fields, HandleParam &handles, host::Shown shown = host::Shown::Always);
+// Parts of it.
+void askTags(Fields &fields, HandleParam &handles, host::Shown shown = host::Shown::Always);
+void askTagAttribute(Fields &fields, HandleParam &handles);
+void askMotionText(Fields &fields, HandleParam &handles, host::Shown shown = host::Shown::Always);
+void askMotion(Fields &fields, HandleParam &handles, host::Shown shown = host::Shown::Always);
 
 // With which graph.
-void addTargetRadius(RichParameterList &list, double targetRadius, const MeshDocument &document,
-                     host::Shown shown = host::Shown::Advanced);
-void addInitialPatches(RichParameterList &list, int initialPatches, host::Shown shown = host::Shown::Advanced);
-void addRandomSeed(RichParameterList &list, unsigned randomSeed);
-vcg::fcd::GraphParam graphParam(const RichParameterList &list);
+void askTargetRadius(Fields &fields, vcg::fcd::GraphParam &graph, host::Shown shown = host::Shown::Advanced);
+void askInitialPatches(Fields &fields, vcg::fcd::GraphParam &graph, host::Shown shown = host::Shown::Advanced);
+void askRandomSeed(Fields &fields, vcg::fcd::GraphParam &graph);
 
 // How it bends.
-void addSmoothness(RichParameterList &list, host::Shown shown, double smoothness);
-/// Where scripts may lack it; else it is smooth.
-void addFalloff(RichParameterList &list, vcg::fcd::Falloff falloff);
-vcg::fcd::Falloff falloff(const RichParameterList &list);
-/// \param all also what a filter may lack where scripts may not
-void addBending(RichParameterList &list, const vcg::fcd::DeformationParam &deformation, bool all);
-/// All but nodes, and what is measured. \throw vcg::fcd::Error when a value makes no sense
-vcg::fcd::DeformationParam deformationParam(const RichParameterList &list, bool all);
+void askSmoothness(Fields &fields, double &smoothness, host::Shown shown = host::Shown::Advanced);
+/// Where scripts may lack it.
+void askFalloff(Fields &fields, vcg::fcd::Falloff &falloff);
+/// All but the graph, and what is measured. \param all also what a filter may lack where scripts may not
+void askBending(Fields &fields, vcg::fcd::DeformationParam &deformation, bool all);
 
 // What filters that match surfaces have alike.
-/// The layer to lie on. \param given or null: the only other one, or else the current one, which is none
-void addOtherLayer(RichParameterList &list, const char *name, const MeshModel *given, const MeshDocument &document,
-                   const QString &label, const QString &help);
-void addWeightSource(RichParameterList &list, const char *name, FitMeshParam::Weights weights, const QString &label,
+/// The layer to lie on. By default the only other one, or else the current one, which is none.
+void askOtherLayer(Fields &fields, const QString &name, const MeshModel *&layer, const QString &label,
+                   const QString &help);
+void askWeightSource(Fields &fields, const QString &name, FitMeshParam::Weights &weights, const QString &label,
                      const QString &help);
-void addWeightAttribute(RichParameterList &list, const QString &name, const QString &help);
-void addStiffness(RichParameterList &list, const vcg::fcd::FitParam &fit);
-void addLargestDistance(RichParameterList &list, const QString &help);
-/// Infinite where it is 0.
-double largestDistance(const RichParameterList &list);
-void addLandmarkTolerance(RichParameterList &list, const vcg::fcd::FitParam &fit);
-void addSamples(RichParameterList &list, int samples, const QString &help);
+void askWeightAttribute(Fields &fields, QString &name, const QString &help);
+void askStiffness(Fields &fields, vcg::fcd::FitParam &fit);
+/// 0 for infinite.
+void askLargestDistance(Fields &fields, double &distance, const QString &help);
+void askLandmarkTolerance(Fields &fields, vcg::fcd::FitParam &fit);
+void askSamples(Fields &fields, int &samples, const QString &help);
 /// The graph, samples and steps.
-void addSampling(RichParameterList &list, const vcg::fcd::FitParam &fit);
-/// All of a fit from stiffness to the number of steps; not checked.
-void readFitting(const RichParameterList &list, vcg::fcd::FitParam &fit);
+void askSampling(Fields &fields, vcg::fcd::FitParam &fit);
 
-/// Whether the result also tells how far each vertex went, as an attribute.
-void addDisplacement(RichParameterList &list, bool displacement);
-bool displacement(const RichParameterList &list);
-
+/// Whether the result also tells how far each vertex went, as an attribute. Where scripts may lack it.
+void askDisplacement(Fields &fields, bool &displacement);
 /// Whether the graph is added as layers, too.
-void addGraphLayers(RichParameterList &list, bool graphLayers);
-
-/// \p list with the parameters \p first before the others, which come last or, without \p others, not at all; with
-/// handleLayer first where an older script may lack it.
-RichParameterList inOrder(const RichParameterList &list, QStringList first, bool others);
-
-/// The value of an enum parameter with \p count values. \throw vcg::fcd::Error when it is none of them
-int enumValue(const RichParameterList &list, const char *name, int count);
+void askGraphLayers(Fields &fields, bool &graphLayers);
 
 #endif

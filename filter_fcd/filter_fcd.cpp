@@ -5,6 +5,7 @@
 
 #include <layer_fcd/kept_aside.h>
 #include <layer_fcd/layer_fitter.h>
+#include <layer_fcd/layer_labels.h>
 #include <layer_fcd/layer_straightener.h>
 #include <layer_fcd/layer_symmetrizer.h>
 #include <layer_fcd/results.h>
@@ -23,8 +24,7 @@ MeshModel &input(MeshDocument &document) {
     if (!layer)
         throw Error("There is no layer. Open a mesh first.");
     if (layer->cm.vn == 0)
-        throw Error("The layer '" + layer->label().toStdString() +
-                    "' has no vertices. Make the mesh the current layer.");
+        throw Error("The layer " + inQuotes(*layer) + " has no vertices. Make the mesh the current layer.");
     return *layer;
 }
 
@@ -102,23 +102,23 @@ QString FilterFcd::shown() const {
 
 RichParameterList FilterFcd::defaults(int id, const MeshDocument &document) {
     switch (id) {
-    case BuildGraph: return toRichParameters(BuildGraphParam(), document);
-    case DeformMesh: return toRichParameters(DeformMeshParam(), document);
-    case FitMesh: return toRichParameters(FitMeshParam(), document);
-    case StraightenMesh: return toRichParameters(StraightenMeshParam(), document);
-    case Symmetrize: return toRichParameters(SymmetrizeParam(), document);
-    case Compensate: return toRichParameters(CompensateLayerParam(), document);
-    case PoseSequence: return toRichParameters(SequenceParam(), document);
-    case PoseInPlace: return toRichParameters(PoseParam(), document);
-    case ResetPose: return toRichParameters(ResetPoseParam());
-    case CopyDeformation: return toRichParameters(CopyParam(), document);
-    case SaveDeformation: return toRichParameters(SaveDeformationParam(), document);
-    case Tag: return toRichParameters(TagParam(), document);
-    case TagSelection:
-    case TagsFromFiles: return toRichParameters(TagParam(), id == TagsFromFiles);
-    case SaveTags: return toRichParameters(SaveTagsParam(), document);
-    case SaveSession:
-    case LoadSession: return sessionParameters(id == SaveSession);
+    case BuildGraph: return parametersOf<BuildGraphParam>(document);
+    case DeformMesh: return parametersOf<DeformMeshParam>(document);
+    case FitMesh: return parametersOf<FitMeshParam>(document);
+    case StraightenMesh: return parametersOf<StraightenMeshParam>(document);
+    case Symmetrize: return parametersOf<SymmetrizeParam>(document);
+    case Compensate: return parametersOf<CompensateLayerParam>(document);
+    case PoseSequence: return parametersOf<SequenceParam>(document);
+    case PoseInPlace: return parametersOf<PoseParam>(document);
+    case ResetPose: return parametersOf<ResetPoseParam>(document);
+    case CopyDeformation: return parametersOf<CopyParam>(document);
+    case SaveDeformation: return parametersOf<SaveDeformationParam>(document);
+    case Tag: return parametersOf<TagParam>(document);
+    case TagSelection: return parametersOf<TagSelectionParam>(document);
+    case TagsFromFiles: return parametersOf<TagsFromFilesParam>(document);
+    case SaveTags: return parametersOf<SaveTagsParam>(document);
+    case SaveSession: return parametersOf<SaveSessionParam>(document);
+    case LoadSession: return parametersOf<LoadSessionParam>(document);
     }
     return RichParameterList(); // Clear Tags has none
 }
@@ -133,30 +133,35 @@ HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList 
     switch (id) {
     case BuildGraph: return buildGraph(parameters, document, layer, progress);
     case DeformMesh: return deformMesh(parameters, document, layer, progress);
-    case FitMesh: return tell(fitLayer(document, layer, fitMeshParam(parameters, document), toLog(), progress));
+    case FitMesh: return tell(fitLayer(document, layer, read<FitMeshParam>(parameters, document), toLog(), progress));
     case StraightenMesh:
-        return tell(straightenLayer(document, layer, straightenMeshParam(parameters, document), toLog(), progress));
-    case Symmetrize: return tell(symmetrizeLayer(document, layer, symmetrizeParam(parameters), toLog(), progress));
-    case Compensate:
-        return tell(compensateLayer(document, layer, compensateParam(parameters, document), toLog(), progress));
-    case PoseSequence:
         return tell(
-            makeSequence(document, layer, preparedLayers, sequenceParam(parameters, document), toLog(), progress));
+            straightenLayer(document, layer, read<StraightenMeshParam>(parameters, document), toLog(), progress));
+    case Symmetrize:
+        return tell(symmetrizeLayer(document, layer, read<SymmetrizeParam>(parameters, document), toLog(), progress));
+    case Compensate:
+        return tell(
+            compensateLayer(document, layer, read<CompensateLayerParam>(parameters, document), toLog(), progress));
+    case PoseSequence:
+        return tell(makeSequence(document, layer, preparedLayers, read<SequenceParam>(parameters, document), toLog(),
+                                 progress));
     case PoseInPlace: return pose(parameters, document, layer, progress);
     case CopyDeformation: return copy(parameters, document, layer, progress);
     case SaveDeformation: return save(parameters, document, progress);
-    case ResetPose: resetPose(document, layer, resetPoseParam(parameters), toLog()); return {};
+    case ResetPose: resetPose(document, layer, read<ResetPoseParam>(parameters, document), toLog()); return {};
     case Tag:
     case TagSelection:
     case TagsFromFiles: {
-        const TagParam param = id == Tag ? tagParam(parameters, document) : tagParam(parameters, id == TagsFromFiles);
+        const TagParam param = id == Tag            ? read<TagParam>(parameters, document)
+                               : id == TagSelection ? read<TagSelectionParam>(parameters, document)
+                                                    : TagParam(read<TagsFromFilesParam>(parameters, document));
         const vcg::fcd::TagCount tags = tagLayer(document, layer, param, toLog());
         return param.role == TagParam::AsTheyAre ? report(tags) : reportTags(layer, tags, param.target);
     }
     case ClearTags: return clearTags(document, layer);
     case SaveSession:
     case LoadSession: return session(id, parameters, document, layer);
-    case SaveTags: return report(saveTags(document, layer, saveTagsParam(parameters, document), toLog()));
+    case SaveTags: return report(saveTags(document, layer, read<SaveTagsParam>(parameters, document), toLog()));
     }
     throw Error("Unknown filter.");
 }
@@ -172,8 +177,8 @@ HostFilterPlugin::ReturnedValues FilterFcd::tell(const std::string &line, const 
 template <class Made>
 HostFilterPlugin::ReturnedValues FilterFcd::tell(const Made &made) const {
     logLine(describe(made.result.surface));
-    ReturnedValues values = valuesOf(made);
-    values.merge(valuesOf(made.result.contact));
+    ReturnedValues values = valuesOf(made.result);
+    values.merge(valuesOf(made));
     warn(warningsOf(made.result.contact));
     return tell(describe(made), warningsOf(made), values);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "filter_reports.h"
 
+#include <layer_fcd/layer_labels.h>
+
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -53,7 +55,7 @@ std::string describe(const MeshModel &layer, const TagTarget &target) {
     const bool quality = target.attribute.isEmpty();
     if (!target.colorize && !quality)
         return {};
-    return "A file of '" + layer.label().toStdString() + "' that is saved now has the tags as " +
+    return "A file of " + inQuotes(layer) + " that is saved now has the tags as " +
            (target.colorize && quality ? "colours and quality"
             : quality                  ? "quality"
                                        : "colours") +
@@ -62,9 +64,16 @@ std::string describe(const MeshModel &layer, const TagTarget &target) {
 
 namespace {
 
+/// Of a pose.
+std::string describeFlipped(vcg::fcd::Index count) {
+    return trianglesFlipped(std::size_t(count)) +
+           ": the surface is squeezed or twisted too much there. Move the handles less, or leave more free surface "
+           "between them.";
+}
+
 std::string ofAll(const MeshModel &layer, int count) {
-    return std::to_string(count) + " of the " + std::to_string(layer.cm.vn) + " vertices of '" +
-           layer.label().toStdString() + "' were ";
+    return std::to_string(count) + " of the " + std::to_string(layer.cm.vn) + " vertices of " + inQuotes(layer) +
+           " were ";
 }
 
 } // namespace
@@ -99,18 +108,17 @@ std::vector<std::string> describe(const DeformedLayers &made, const DeformMeshPa
     const vcg::fcd::DeformationResult &result = made.result;
     std::vector<std::string> remarks;
     if (result.looseParts > 0)
-        remarks.push_back(std::to_string(result.looseParts) + (result.looseParts == 1 ? " part is" : " parts are") +
-                          " loose (no fixed or handle vertex): " +
-                          (param.deformation.looseParts == vcg::fcd::LooseParts::Follow
-                               ? "following the nearest held part."
-                               : "staying in place."));
+        remarks.push_back(
+            counted(std::size_t(result.looseParts), "part is", "parts are") + " loose (no fixed or handle vertex): " +
+            (param.deformation.looseParts == vcg::fcd::LooseParts::Follow ? "following the nearest held part."
+                                                                          : "staying in place."));
     if (made.isOwnGraph)
-        remarks.push_back("'" + param.graphLayer->label().toStdString() +
-                          "' is the graph that these parameters make here: used with the patches that it was made "
-                          "with.");
+        remarks.push_back(
+            inQuotes(*param.graphLayer) +
+            " is the graph that these parameters make here: used with the patches that it was made with.");
     else if (param.useGraphLayer)
         remarks.push_back(std::to_string(result.placedNodes) + " of the " + std::to_string(made.givenNodes) +
-                          " nodes of '" + param.graphLayer->label().toStdString() + "' lie on the surface" +
+                          " nodes of " + inQuotes(*param.graphLayer) + " lie on the surface" +
                           (result.placedNodes < made.givenNodes ? "; the others are left out." : ".") +
                           " Their patches are grown anew.");
     if (made.isStopped) {
@@ -136,9 +144,6 @@ double valueOfDiscretisation(double error) { return std::isfinite(error) ? error
 
 std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, const vcg::fcd::SurfaceReport &surface) {
     std::vector<std::string> warnings;
-    const auto count = [](vcg::fcd::Index n, const char *one, const char *many) {
-        return std::to_string(n) + " " + (n == 1 ? one : many);
-    };
     if (check.rigid)
         warnings.emplace_back("Nothing is fixed beside the free surface, so it moves rigidly with the handles. Mark "
                               "what stays as fixed (tag 0), beside what is free.");
@@ -155,21 +160,19 @@ std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, const
             (host::scriptsMayLackParameters ? ", or raise weld_distance." : "."));
     if (check.overruled > 0)
         warnings.push_back(
-            count(check.overruled, "handle vertex is", "handle vertices are") +
+            counted(std::size_t(check.overruled), "handle vertex is", "handle vertices are") +
             " at the same place as a fixed vertex, or one of a handle with a smaller number, and held as "
             "that one. Give all vertices at a place the same tag.");
     if (check.strained > 0) {
         std::ostringstream line;
-        line << count(check.strained, "edge leads", "edges lead")
+        line << counted(std::size_t(check.strained), "edge leads", "edges lead")
              << " straight from one held region to another that moves otherwise, and stretched or shrunk to less than "
                 "half or more than twice the length (the longest: "
              << check.longest << " times). Leave free vertices between them.";
         warnings.push_back(line.str());
     }
     if (check.flipped > 0)
-        warnings.push_back(count(check.flipped, "triangle is", "triangles are") +
-                           " flipped: the surface is squeezed or twisted too much there. Move the handles less, or "
-                           "leave more free surface between them.");
+        warnings.push_back(describeFlipped(check.flipped));
     return warnings;
 }
 
@@ -183,51 +186,50 @@ std::vector<std::string> warningsOf(const vcg::fcd::SurfaceContact &contact) {
     return {contact.Text() + " Move the handles less."};
 }
 
+HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::DeformationResult &result) {
+    HostFilterPlugin::ReturnedValues values = valuesOf(result.surface);
+    values.merge(valuesOf(result.contact));
+    values.insert({{"folded_triangles", result.check.flipped},
+                   {"nodes", int(result.rest.position.cols())},
+                   {"converged", result.converged}});
+    return values;
+}
+
 HostFilterPlugin::ReturnedValues valuesOf(const StraightenedLayers &made) {
     const vcg::fcd::StraightenReport &report = made.report;
-    HostFilterPlugin::ReturnedValues values = valuesOf(made.result.surface);
-    values.insert({{"length", report.length},
-                   {"new_length", report.newLength},
-                   {"jitter", report.jitter},
-                   {"middle_left", report.leftMiddle},
-                   {"twist", report.twist},
-                   {"following_nodes", report.following},
-                   {"released_nodes", report.released},
-                   {"rms", report.rms},
-                   {"largest", report.largest},
-                   {"folded_triangles", made.result.check.flipped},
-                   {"nodes", int(made.result.rest.position.cols())},
-                   {"converged", made.result.converged},
-                   {"seconds", made.seconds}});
-    return values;
+    return {{"length", report.length},
+            {"new_length", report.newLength},
+            {"jitter", report.jitter},
+            {"middle_left", report.leftMiddle},
+            {"twist", report.twist},
+            {"following_nodes", report.following},
+            {"released_nodes", report.released},
+            {"rms", report.rms},
+            {"largest", report.largest},
+            {"seconds", made.seconds}};
 }
 
 HostFilterPlugin::ReturnedValues valuesOf(const SymmetrizedLayers &made) {
     const vcg::fcd::SymmetryReport &report = made.report;
-    HostFilterPlugin::ReturnedValues values = valuesOf(made.result.surface);
     const Eigen::Vector3d &point = report.plane.point, &normal = report.plane.normal;
-    values.insert({{"plane_point_x", point[0]},
-                   {"plane_point_y", point[1]},
-                   {"plane_point_z", point[2]},
-                   {"plane_normal_x", normal[0]},
-                   {"plane_normal_y", normal[1]},
-                   {"plane_normal_z", normal[2]},
-                   {"plane_is_sure", report.isSure},
-                   {"rms_before", made.before},
-                   {"rms_after", made.after},
-                   {"asymmetry", report.way},
-                   {"asymmetry_most", report.wayMost},
-                   {"moved", report.moved},
-                   {"moved_most", report.movedMost},
-                   {"matched", report.fit.matched},
-                   {"pairs", int(made.pairs)},
-                   {"midline_points", int(made.midline)},
-                   {"mirrored_vertices", int(made.mirrored)},
-                   {"folded_triangles", made.result.check.flipped},
-                   {"nodes", int(made.result.rest.position.cols())},
-                   {"converged", made.result.converged},
-                   {"seconds", made.seconds}});
-    return values;
+    return {{"plane_point_x", point[0]},
+            {"plane_point_y", point[1]},
+            {"plane_point_z", point[2]},
+            {"plane_normal_x", normal[0]},
+            {"plane_normal_y", normal[1]},
+            {"plane_normal_z", normal[2]},
+            {"plane_is_sure", report.isSure},
+            {"rms_before", made.before},
+            {"rms_after", made.after},
+            {"asymmetry", report.way},
+            {"asymmetry_most", report.wayMost},
+            {"moved", report.moved},
+            {"moved_most", report.movedMost},
+            {"matched", report.fit.matched},
+            {"pairs", int(made.pairs)},
+            {"midline_points", int(made.midline)},
+            {"mirrored_vertices", int(made.mirrored)},
+            {"seconds", made.seconds}};
 }
 
 HostFilterPlugin::ReturnedValues valuesOf(const CompensatedLayers &made) {
@@ -240,11 +242,11 @@ HostFilterPlugin::ReturnedValues valuesOf(const CompensatedLayers &made) {
 std::string describe(const SequenceLayers &made) {
     const vcg::fcd::SequenceReport &report = made.report;
     std::ostringstream line;
-    line << describe(made.tags) << "; " << made.poses << (made.poses == 1 ? " pose, " : " poses, ") << made.keyFrames
-         << (made.keyFrames == 1 ? " key frame, " : " key frames, ") << report.frames << " frames; "
+    line << describe(made.tags) << "; " << counted(std::size_t(made.poses), "pose, ", "poses, ")
+         << counted(std::size_t(made.keyFrames), "key frame, ", "key frames, ") << report.frames << " frames; "
          << made.layers.size() << " new layers. ";
     if (made.companions > 0)
-        line << made.companions << (made.companions == 1 ? " other layer goes" : " other layers go") << " along. ";
+        line << counted(std::size_t(made.companions), "other layer goes", "other layers go") << " along. ";
     if (report.difference > 0)
         line << "Shapes of poses, mixed in straight lines, are off from the frames by up to " << report.difference
              << ". ";
@@ -276,10 +278,7 @@ HostFilterPlugin::ReturnedValues valuesOf(const SequenceLayers &made) {
 std::vector<std::string> warningsOf(const SequenceLayers &made) {
     std::vector<std::string> warnings;
     if (made.report.folded > 0)
-        warnings.push_back("In a frame, " + std::to_string(made.report.folded) +
-                           (made.report.folded == 1 ? " triangle is" : " triangles are") +
-                           " flipped: the surface is squeezed or twisted too much there. Move the handles less, or "
-                           "leave more free surface between them.");
+        warnings.push_back("In a frame, " + describeFlipped(made.report.folded));
     if (const std::string contact = made.report.ContactText(); !contact.empty())
         warnings.push_back(contact);
     return warnings;

@@ -48,13 +48,16 @@ std::string describeDiscretisation(double error);
 /// The same for scripts, all of whose values are finite: -1 where it cannot be told.
 double valueOfDiscretisation(double error);
 
-/// How well a layer fits, in words and in numbers.
+/// How well a layer fits, in words and in numbers, besides valuesOf its result.
 std::string describe(const FittedLayers &made);
 HostFilterPlugin::ReturnedValues valuesOf(const FittedLayers &made);
 /// A sentence for each thing for which a fit is not to be trusted.
 std::vector<std::string> warningsOf(const FittedLayers &made);
 
-/// How a layer was straightened, in numbers.
+/// What all that deform a surface tell of it, in numbers.
+HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::DeformationResult &result);
+
+/// How a layer was straightened, in numbers, besides.
 HostFilterPlugin::ReturnedValues valuesOf(const StraightenedLayers &made);
 HostFilterPlugin::ReturnedValues valuesOf(const SymmetrizedLayers &made);
 HostFilterPlugin::ReturnedValues valuesOf(const CompensatedLayers &made);

@@ -9,55 +9,46 @@ const char *const reference = "<br>Method: A. Morsucci, M. Centin, A. Signoroni,
                               "large mesh models</i>, STAG 2018 "
                               "(<a href='https://doi.org/10.2312/stag.20181302'>doi:10.2312/stag.20181302</a>)";
 
+/// What a filter is called.
+struct Called {
+    int id;
+    const char *inWindow, *inScripts;
+};
+
+const Called called[] = {
+    {FilterFcd::BuildGraph, "FCD: Build Deformation Graph", "generate_fcd_deformation_graph"},
+    {FilterFcd::DeformMesh, "FCD: Deform Mesh", "generate_fcd_deformed_mesh"},
+    {FilterFcd::FitMesh, "FCD: Fit to Layer", "generate_fcd_fitted_mesh"},
+    {FilterFcd::StraightenMesh, "FCD: Straighten Mesh", "generate_fcd_straightened_mesh"},
+    {FilterFcd::Symmetrize, "FCD: Symmetrize", "generate_fcd_symmetrized_mesh"},
+    {FilterFcd::Compensate, "FCD: Compensate", "generate_fcd_compensated_mesh"},
+    {FilterFcd::PoseSequence, "FCD: Pose Sequence", "generate_fcd_pose_sequence"},
+    {FilterFcd::PoseInPlace, "FCD: Pose in Place", "apply_coord_fcd_deformation"},
+    {FilterFcd::ResetPose, "FCD: Reset Pose", "apply_coord_fcd_reset"},
+    {FilterFcd::CopyDeformation, "FCD: Apply Deformation to Layer", "generate_fcd_deformed_copy"},
+    {FilterFcd::SaveDeformation, "FCD: Save Deformation", "save_fcd_deformation"},
+    {FilterFcd::Tag, "FCD: Tag", "compute_fcd_tags"},
+    {FilterFcd::TagSelection, "FCD: Tag Selection", "compute_fcd_tags_from_selection"},
+    {FilterFcd::TagsFromFiles, "FCD: Tags from Files", "compute_fcd_tags_from_files"},
+    {FilterFcd::ClearTags, "FCD: Clear Tags", "clear_fcd_tags"},
+    {FilterFcd::SaveTags, "FCD: Save Tags", "save_fcd_tags"},
+    {FilterFcd::SaveSession, "FCD: Save Session", "save_fcd_session"},
+    {FilterFcd::LoadSession, "FCD: Load Session", "load_fcd_session"},
+};
+
+const Called &calledOf(int id) {
+    static const Called nothing{-1, "", ""};
+    for (const Called &each : called)
+        if (each.id == id)
+            return each;
+    return nothing;
+}
+
 } // namespace
 
-QString FilterFcd::filterName(int id) const {
-    switch (id) {
-    case BuildGraph: return "FCD: Build Deformation Graph";
-    case DeformMesh: return "FCD: Deform Mesh";
-    case FitMesh: return "FCD: Fit to Layer";
-    case StraightenMesh: return "FCD: Straighten Mesh";
-    case Symmetrize: return "FCD: Symmetrize";
-    case Compensate: return "FCD: Compensate";
-    case PoseSequence: return "FCD: Pose Sequence";
-    case PoseInPlace: return "FCD: Pose in Place";
-    case ResetPose: return "FCD: Reset Pose";
-    case CopyDeformation: return "FCD: Apply Deformation to Layer";
-    case SaveDeformation: return "FCD: Save Deformation";
-    case Tag: return "FCD: Tag";
-    case TagSelection: return "FCD: Tag Selection";
-    case TagsFromFiles: return "FCD: Tags from Files";
-    case ClearTags: return "FCD: Clear Tags";
-    case SaveTags: return "FCD: Save Tags";
-    case SaveSession: return "FCD: Save Session";
-    case LoadSession: return "FCD: Load Session";
-    }
-    return QString();
-}
+QString FilterFcd::filterName(int id) const { return calledOf(id).inWindow; }
 
-QString FilterFcd::scriptName(int id) const {
-    switch (id) {
-    case BuildGraph: return "generate_fcd_deformation_graph";
-    case DeformMesh: return "generate_fcd_deformed_mesh";
-    case FitMesh: return "generate_fcd_fitted_mesh";
-    case StraightenMesh: return "generate_fcd_straightened_mesh";
-    case Symmetrize: return "generate_fcd_symmetrized_mesh";
-    case Compensate: return "generate_fcd_compensated_mesh";
-    case PoseSequence: return "generate_fcd_pose_sequence";
-    case PoseInPlace: return "apply_coord_fcd_deformation";
-    case ResetPose: return "apply_coord_fcd_reset";
-    case CopyDeformation: return "generate_fcd_deformed_copy";
-    case SaveDeformation: return "save_fcd_deformation";
-    case Tag: return "compute_fcd_tags";
-    case TagSelection: return "compute_fcd_tags_from_selection";
-    case TagsFromFiles: return "compute_fcd_tags_from_files";
-    case ClearTags: return "clear_fcd_tags";
-    case SaveTags: return "save_fcd_tags";
-    case SaveSession: return "save_fcd_session";
-    case LoadSession: return "load_fcd_session";
-    }
-    return QString();
-}
+QString FilterFcd::scriptName(int id) const { return calledOf(id).inScripts; }
 
 QString FilterFcd::filterInfo(int id) const {
     switch (id) {

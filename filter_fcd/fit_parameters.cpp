@@ -1,165 +1,108 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "common_parameters.h"
 
-using host::addParameter;
 using host::Shown;
 
 namespace {
 
-void addCurves(RichParameterList &list, const FitMeshParam &param) {
-    if (host::firstMayBeLacking()) // meshlabserver 2020.09 ends where a script lacks a parameter
+/// Curves that lead a fit, and pairs that it is judged by.
+void askCurvesAndChecks(Fields &fields, FitMeshParam &param) {
+    if (fields.hasNewer("curves_file"))
+        fields.openFile(
+            "curves_file", param.curveFile, Shown::Advanced, {"*.csv"}, "Curves (.csv)",
+            "Lines of the two layers that belong together and slide along each other, such as lips, a ridge or a "
+            "tooth's margin. A table with a first row <i>curve, surface, x, y, z</i> and a row for each corner of a "
+            "line: the name of the curve, <i>source</i> (the current layer) or <i>target</i>, and the place, in world "
+            "coordinates, in order along the line. It is closed where its last corner is its first. The vertices along "
+            "the source's line are drawn to that of the target. <b>Empty</b> (the default): none.");
+    if (!fields.hasNewer("check_file"))
         return;
-    addParameter<host::RichFileParam>(
-        list, Shown::Advanced, "curves_file", param.curveFile, QStringList() << "*.csv", "Curves (.csv)",
-        "Lines of the two layers that belong together and slide along each other, such as lips, a ridge or a tooth's "
-        "margin. A table with a first row <i>curve, surface, x, y, z</i> and a row for each corner of a line: the name "
-        "of the curve, <i>source</i> (the current layer) or <i>target</i>, and the place, in world coordinates, in "
-        "order along the line. It is closed where its last corner is its first. The vertices along the source's line "
-        "are drawn to that of the target. <b>Empty</b> (the default): none.");
-}
-
-/// Pairs that a fit is judged by.
-void addChecks(RichParameterList &list, const FitMeshParam &param) {
-    if (host::firstMayBeLacking()) // meshlabserver 2020.09 ends where a script lacks a parameter
-        return;
-    addParameter<host::RichFileParam>(
-        list, Shown::Advanced, "check_file", param.checkFile,
-        QStringList() << "*.csv"
-                      << "*.pp",
-        "Check pairs (.csv, .pp)",
-        "Pairs as in the landmark file, kept back from the fit. The log tells how far they are from where they belong: "
-        "that judges the fit. <b>Empty</b> (the default): none.");
-    addParameter<host::RichFileParam>(
-        list, Shown::Advanced, "target_check_file", param.checkTargetFile, QStringList() << "*.pp",
-        "Target's check points (.pp)",
+    fields.openFile("check_file", param.checkFile, Shown::Advanced, {"*.csv", "*.pp"}, "Check pairs (.csv, .pp)",
+                    "Pairs as in the landmark file, kept back from the fit. The log tells how far they are from where "
+                    "they belong: that judges the fit. <b>Empty</b> (the default): none.");
+    fields.openFile(
+        "target_check_file", param.checkTargetFile, Shown::Advanced, {"*.pp"}, "Target's check points (.pp)",
         "If the check pairs are picked points of the current layer: those of the target, with the same names.");
-    addParameter<RichBool>(list, Shown::Advanced, "leave_one_out", param.leaveOneOut, "Leave one landmark out",
-                           "Also fits without each landmark in turn, and logs how far it is from where it belongs "
-                           "then. Takes as many fits as there are landmarks.");
+    fields.field("leave_one_out", param.leaveOneOut, Shown::Advanced, "Leave one landmark out",
+                 "Also fits without each landmark in turn, and logs how far it is from where it belongs then. Takes as "
+                 "many fits as there are landmarks.");
 }
 
 /// How much of the two layers counts.
-void addWeights(RichParameterList &list, const FitMeshParam &param) {
-    if (host::firstMayBeLacking())
+void askWeights(Fields &fields, FitMeshParam &param) {
+    if (!fields.hasNewer("weights"))
         return;
-    addWeightSource(list, "weights", param.weights, "Weights from",
-                    "How much each vertex of the current layer counts, from 0 to 1. What has 0 is not matched and is "
-                    "<b>carried along</b>, such as the gum of a dental scan. <b>All counts</b> (the default), the "
-                    "<b>vertex quality</b>, the <b>selection</b>, or an <b>attribute</b>. Quality or selection are "
-                    "then not read as handles. A separate part that nothing of the target leads is carried in any "
-                    "case, by what it belongs to: an eyeball by its head.");
-    addWeightSource(list, "target_weights", param.targetWeights, "Target weights from",
+    askWeightSource(
+        fields, "weights", param.weights, "Weights from",
+        "How much each vertex of the current layer counts, from 0 to 1. What has 0 is not matched and is <b>carried "
+        "along</b>, such as the gum of a dental scan. <b>All counts</b> (the default), the <b>vertex quality</b>, the "
+        "<b>selection</b>, or an <b>attribute</b>. Quality or selection are then not read as handles. A separate part "
+        "that nothing of the target leads is carried in any case, by what it belongs to: an eyeball by its head.");
+    askWeightSource(fields, "target_weights", param.targetWeights, "Target weights from",
                     "The same for the target's vertices: what has 0 is as if it were not there.");
-    addWeightAttribute(list, param.weightAttribute,
+    askWeightAttribute(fields, param.weightAttribute,
                        "Name of the scalar attribute per vertex, on either layer, with weights from 0 to 1.");
 }
 
 } // namespace
 
-RichParameterList toRichParameters(const FitMeshParam &param, const MeshDocument &document) {
-    const vcg::fcd::FitParam &fit = param.fit;
-    RichParameterList list;
-    addOtherLayer(list, "target_layer", param.target, document, "Target",
-                  "The layer to lie on: triangles, or a point cloud. A cloud's normals tell its sides apart. It is not "
-                  "changed.");
-    addParameter<host::RichFileParam>(
-        list, Shown::Always, "landmarks_file", param.landmarkFile,
-        QStringList() << "*.csv"
-                      << "*.pp",
-        "Landmark file (.csv, .pp)",
+void ask(Fields &fields, FitMeshParam &param) {
+    vcg::fcd::FitParam &fit = param.fit;
+    askOtherLayer(
+        fields, "target_layer", param.target, "Target",
+        "The layer to lie on: triangles, or a point cloud. A cloud's normals tell its sides apart. It is not changed.");
+    fields.openFile(
+        "landmarks_file", param.landmarkFile, Shown::Always, {"*.csv", "*.pp"}, "Landmark file (.csv, .pp)",
         "Pairs of points that belong together, in world coordinates. A list has a line for each pair: <i>vertex, x, y, "
         "z</i> (number of the vertex of the current layer, from 0, and place on the target) or <i>x, y, z, x, y, z</i> "
         "(place on the current layer, place on the target), with commas, semicolons or blanks; lines that begin with # "
         "are comments. Picked points (.pp) alternate source and target. A place stands for the vertex nearest to it. "
         "<b>Empty</b> (the default): none. Give some where limbs lie far from where they belong.");
-    addParameter<host::RichFileParam>(
-        list, Shown::Always, "target_landmarks_file", param.targetFile, QStringList() << "*.pp",
-        "Target's picked points (.pp)",
-        "If the landmark file is picked points of the current layer: those of the target, with the same names. "
-        "<b>Empty</b> (the default): the landmark file holds both ends.");
-    addLandmarkTolerance(list, fit);
-    addCurves(list, param);
-    addChecks(list, param);
-    addParameter<RichBool>(
-        list, Shown::Advanced, "landmarks_only", param.landmarksOnly, "Landmarks only",
+    fields.openFile("target_landmarks_file", param.targetFile, Shown::Always, {"*.pp"}, "Target's picked points (.pp)",
+                    "If the landmark file is picked points of the current layer: those of the target, with the same "
+                    "names. <b>Empty</b> (the default): the landmark file holds both ends.");
+    askLandmarkTolerance(fields, fit);
+    askCurvesAndChecks(fields, param);
+    fields.field(
+        "landmarks_only", param.landmarksOnly, Shown::Advanced, "Landmarks only",
         "The surface follows the landmarks, as rigidly as 'rigidity' says. Nothing else of the target counts.");
-    addParameter<RichEnum>(
-        list, Shown::Always, "start", int(fit.start),
-        QStringList() << "As they lie"
-                      << "Rigid, from landmarks"
-                      << "Rigid and scaled, from landmarks"
-                      << "Axes tried out",
-        "Start",
+    fields.choice(
+        "start", fit.start, Shown::Always,
+        {"As they lie", "Rigid, from landmarks", "Rigid and scaled, from landmarks", "Axes tried out"}, "Start",
         "First moves all of the current layer where the layers do not lie on each other: by <b>landmarks</b> (at least "
         "three that are not on a line), or principal <b>axes</b> onto principal axes, in the best of 24 ways. Needs a "
         "layer without fixed vertices and handles. If the layers do not overlap and there are no landmarks, <b>As they "
         "lie</b> moves the layer onto the target's middle, too, and says so. If the layer comes out strained, it is "
         "tried turned by its axes, and scaled, and the log says which.");
-    addStiffness(list, fit);
-    if (!host::firstMayBeLacking())
-        addParameter<RichFloat>(list, Shown::Advanced, "rigidity", Scalarm(fit.rigidity),
-                                "Rigidity (1 rigid, 0 smooth)",
-                                "How much of the stiffness is against stretching. <b>1</b> (the default): as rigid as "
-                                "possible, for what bends, as bodies do. <b>0</b>: smooth, for what is sheared, scaled "
-                                "or grown all over, as one skull to another; only a change of the map from place to "
-                                "place costs, as in a thin-plate spline. What turns far needs rigidity.");
-    addLargestDistance(list,
+    askStiffness(fields, fit);
+    if (fields.hasNewer("rigidity"))
+        fields.field("rigidity", fit.rigidity, Shown::Advanced, "Rigidity (1 rigid, 0 smooth)",
+                     "How much of the stiffness is against stretching. <b>1</b> (the default): as rigid as possible, "
+                     "for what bends, as bodies do. <b>0</b>: smooth, for what is sheared, scaled or grown all over, "
+                     "as one skull to another; only a change of the map from place to place costs, as in a thin-plate "
+                     "spline. What turns far needs rigidity.");
+    askLargestDistance(fields, fit.largestDistance,
                        "What is farther from the target, in world units, has no counterpart and is carried along. "
                        "<b>0</b> (the default): no limit; the distances tell what is too far. <b>Lower it</b> where "
                        "the target lacks parts that something else lies near to.");
-    addParameter<RichFloat>(list, Shown::Advanced, "largest_angle", Scalarm(fit.largestAngle),
-                            "Largest angle (degrees)",
-                            "A place of the target whose normal differs by more is no counterpart. That keeps the two "
-                            "sides of something thin apart. <b>180</b>: normals do not count.");
-    addParameter<RichBool>(
-        list, Shown::Advanced, "both_ways", fit.bothWays, "Match both ways",
+    fields.field("largest_angle", fit.largestAngle, Shown::Advanced, "Largest angle (degrees)",
+                 "A place of the target whose normal differs by more is no counterpart. That keeps the two sides of "
+                 "something thin apart. <b>180</b>: normals do not count.");
+    fields.field(
+        "both_ways", fit.bothWays, Shown::Advanced, "Match both ways",
         "Places of the target that nothing lies near draw what is nearest. So thin and long parts of the target are "
         "reached. <b>Off</b> (the default): where parts of the target are left, it is tried, and kept if none are left "
         "then and more of the layer has a counterpart. Leave it off where the target has parts that the layer lacks.");
-    addWeights(list, param);
-    addSampling(list, fit);
-    addGraphLayers(list, param.graphLayers);
-    addParameter<RichEnum>(list, Shown::Always, "fit_quality", int(param.quality),
-                           QStringList() << "As the input"
-                                         << "Distance to the target"
-                                         << "Matched",
-                           "Result quality",
-                           "The vertex quality of the result, to colour, select or save: that of the input, the "
-                           "<b>distance</b> to the target in world units, or <b>matched</b>: 1 where it lies on the "
-                           "target, 0 where it has no counterpart and was carried along.");
-    addHandles(list, param.handles, document, Shown::Advanced);
-    return list;
-}
-
-FitMeshParam fitMeshParam(const RichParameterList &list, const MeshDocument &document) {
-    FitMeshParam param;
-    param.target = host::layerParameter(list, "target_layer", document);
-    param.landmarkFile = list.getOpenFileName("landmarks_file");
-    param.targetFile = list.getOpenFileName("target_landmarks_file");
-    param.fit.bothWays = list.getBool("both_ways");
-    param.landmarksOnly = list.getBool("landmarks_only");
-    if (list.hasParameter("curves_file"))
-        param.curveFile = list.getOpenFileName("curves_file");
-    if (list.hasParameter("check_file")) {
-        param.checkFile = list.getOpenFileName("check_file");
-        param.checkTargetFile = list.getOpenFileName("target_check_file");
-        param.leaveOneOut = list.getBool("leave_one_out");
-    }
-    if (list.hasParameter("weights")) {
-        param.weights = FitMeshParam::Weights(enumValue(list, "weights", 4));
-        param.targetWeights = FitMeshParam::Weights(enumValue(list, "target_weights", 4));
-        param.weightAttribute = list.getString("weight_attribute");
-    }
-    param.fit.start = vcg::fcd::FitStart(enumValue(list, "start", 4));
-    param.handles = handleParam(list, document);
+    askWeights(fields, param);
+    askSampling(fields, fit);
+    askGraphLayers(fields, param.graphLayers);
+    fields.choice("fit_quality", param.quality, Shown::Always, {"As the input", "Distance to the target", "Matched"},
+                  "Result quality",
+                  "The vertex quality of the result, to colour, select or save: that of the input, the <b>distance</b> "
+                  "to the target in world units, or <b>matched</b>: 1 where it lies on the target, 0 where it has no "
+                  "counterpart and was carried along.");
+    askHandles(fields, param.handles, Shown::Advanced);
     param.handles.mayLack = true;
-    vcg::fcd::FitParam &fit = param.fit;
-    if (list.hasParameter("rigidity"))
-        fit.rigidity = asTyped(list.getFloat("rigidity"));
-    fit.largestAngle = asTyped(list.getFloat("largest_angle"));
-    readFitting(list, fit);
-    fit.Validate();
-    param.graphLayers = list.getBool("graph_layers");
-    param.quality = FitMeshParam::Quality(enumValue(list, "fit_quality", 3));
-    return param;
+    if (fields.areRead())
+        fit.Validate();
 }

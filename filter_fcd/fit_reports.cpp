@@ -2,6 +2,8 @@
 // What FCD: Fit to Layer says of what it did.
 #include "filter_reports.h"
 
+#include <layer_fcd/layer_labels.h>
+
 #include <algorithm>
 #include <cmath>
 #include <ostream>
@@ -45,9 +47,9 @@ std::string describe(const FittedLayers &made) {
     if (report.counted < 1)
         line << " That is of the " << 100 * report.counted << " percent that count; the rest was carried along.";
     if (report.carried > 0)
-        line << " " << report.carried
-             << (report.carried == 1 ? " separate part that nothing of the target leads was"
-                                     : " separate parts that nothing of the target leads were")
+        line << " "
+             << counted(report.carried, "separate part that nothing of the target leads was",
+                        "separate parts that nothing of the target leads were")
              << " carried by what is around.";
     if (report.bothWays)
         line << " Parts of the target drew what is nearest to them, too.";
@@ -60,17 +62,16 @@ std::string describe(const FittedLayers &made) {
              << " landmarks is off by more than " << report.landmarks << "; the remaining stretch at landmarks is "
              << report.pull << ".";
     if (const std::size_t curves = made.curves.curve.size(); curves > 0)
-        line << " " << made.curves.vertices << " vertices lie along the " << curves
-             << (curves == 1 ? " curve, at most " : " curves, at most ") << made.curves.farthest
-             << " away on this layer; on the target, none is off by more than " << report.curves << ".";
+        line << " " << made.curves.vertices << " vertices lie along the " << counted(curves, "curve", "curves")
+             << ", at most " << made.curves.farthest << " away on this layer; on the target, none is off by more than "
+             << report.curves << ".";
     line << " " << made.seconds << " s.";
     return line.str();
 }
 
 HostFilterPlugin::ReturnedValues valuesOf(const FittedLayers &made) {
     const vcg::fcd::FitReport &report = made.report;
-    HostFilterPlugin::ReturnedValues values = valuesOf(made.result.surface);
-    values.merge(valuesOf(made.result.tags));
+    HostFilterPlugin::ReturnedValues values = valuesOf(made.result.tags);
     values.insert({{"rms", report.rms},
                    {"median", report.median},
                    {"percentile_95", report.percentile95},
@@ -85,7 +86,6 @@ HostFilterPlugin::ReturnedValues valuesOf(const FittedLayers &made) {
                    {"leave_one_out_rms", rmsOf(made.leftOut)},
                    {"leave_one_out_largest", mostOf(made.leftOut)},
                    {"carried_parts", int(report.carried)},
-                   {"folded_triangles", made.result.check.flipped},
                    {"landmarks", int(made.landmarks)},
                    {"landmark_residual", report.landmarks},
                    {"landmark_pull", report.pull},
@@ -96,9 +96,7 @@ HostFilterPlugin::ReturnedValues valuesOf(const FittedLayers &made) {
                    {"from_afar", report.fromAfar},
                    {"both_ways", report.bothWays},
                    {"inside_out", report.insideOut},
-                   {"nodes", int(made.result.rest.position.cols())},
                    {"steps", report.steps},
-                   {"converged", report.converged},
                    {"seconds", made.seconds}});
     return values;
 }
@@ -120,9 +118,8 @@ std::vector<std::string> warningsOf(const FittedLayers &made) {
         warnings.push_back(line.str());
     }
     if (made.result.check.flipped > 0)
-        warnings.push_back(std::to_string(made.result.check.flipped) +
-                           (made.result.check.flipped == 1 ? " triangle is" : " triangles are") +
-                           " flipped: the fit folds the surface there. Give landmarks, or raise stiffness.");
+        warnings.push_back(trianglesFlipped(std::size_t(made.result.check.flipped)) +
+                           ": the fit folds the surface there. Give landmarks, or raise stiffness.");
     if (report.pull > 0.01 * made.diagonal && report.contradicted.empty()) { // 1 %: no hand misses so much
         std::ostringstream line;
         line << "The landmarks contradict each other or the target, by " << report.pull

@@ -5,7 +5,6 @@
 
 // What the filters that match surfaces ask for.
 
-using host::addParameter;
 using host::Shown;
 
 namespace {
@@ -13,80 +12,59 @@ namespace {
 /// The only other layer, or else the current one, which is no target.
 const MeshModel *likelyTarget(const MeshDocument &document) {
     const std::vector<const MeshModel *> layers = host::layers(document);
-    const MeshModel *current = const_cast<MeshDocument &>(document).mm(); // which is not changed
     if (layers.size() != 2)
-        return current;
-    return layers[0] == current ? layers[1] : layers[0];
+        return document.mm();
+    return layers[0] == document.mm() ? layers[1] : layers[0];
 }
 
 } // namespace
 
-void addOtherLayer(RichParameterList &list, const char *name, const MeshModel *given, const MeshDocument &document,
-                   const QString &label, const QString &help) {
-    host::addLayerParameter(list, Shown::Always, name, given ? given : likelyTarget(document), document, label, help);
+void askOtherLayer(Fields &fields, const QString &name, const MeshModel *&layer, const QString &label,
+                   const QString &help) {
+    fields.layer(name, layer, likelyTarget(fields.document), Shown::Always, label, help);
 }
 
-void addWeightSource(RichParameterList &list, const char *name, FitMeshParam::Weights weights, const QString &label,
+void askWeightSource(Fields &fields, const QString &name, FitMeshParam::Weights &weights, const QString &label,
                      const QString &help) {
-    addParameter<RichEnum>(list, Shown::Always, name, int(weights),
-                           QStringList() << "All counts"
-                                         << "Vertex quality"
-                                         << "Selected vertices"
-                                         << "Attribute",
-                           label, help);
+    fields.choice(name, weights, Shown::Always, {"All counts", "Vertex quality", "Selected vertices", "Attribute"},
+                  label, help);
 }
 
-void addWeightAttribute(RichParameterList &list, const QString &name, const QString &help) {
-    addParameter<RichString>(list, Shown::Advanced, "weight_attribute", name, "Attribute with weights", help);
+void askWeightAttribute(Fields &fields, QString &name, const QString &help) {
+    fields.field("weight_attribute", name, Shown::Advanced, "Attribute with weights", help);
 }
 
-void addStiffness(RichParameterList &list, const vcg::fcd::FitParam &fit) {
-    addParameter<RichFloat>(list, Shown::Always, "stiffness", Scalarm(fit.stiffness),
-                            "Stiffness (1 is the default, 10 stiff)",
-                            "How rigid the surface is in the end. <b>Raise it</b> to smooth over noise and holes of "
-                            "the target. <b>Lower it</b> to follow finer detail.");
+void askStiffness(Fields &fields, vcg::fcd::FitParam &fit) {
+    fields.field("stiffness", fit.stiffness, Shown::Always, "Stiffness (1 is the default, 10 stiff)",
+                 "How rigid the surface is in the end. <b>Raise it</b> to smooth over noise and holes of the target. "
+                 "<b>Lower it</b> to follow finer detail.");
 }
 
-void addLargestDistance(RichParameterList &list, const QString &help) {
-    addParameter<RichFloat>(list, Shown::Always, "largest_distance", Scalarm(0), "Largest distance", help);
+void askLargestDistance(Fields &fields, double &distance, const QString &help) {
+    double limit = 0;
+    fields.field("largest_distance", limit, Shown::Always, "Largest distance", help);
+    distance = limit == 0 ? std::numeric_limits<double>::infinity() : limit;
 }
 
-double largestDistance(const RichParameterList &list) {
-    const double given = asTyped(list.getFloat("largest_distance"));
-    return given == 0 ? std::numeric_limits<double>::infinity() : given;
+void askLandmarkTolerance(Fields &fields, vcg::fcd::FitParam &fit) {
+    fields.field("landmark_tolerance", fit.landmarkTolerance, Shown::Advanced, "Landmark tolerance",
+                 "How far a landmark may stay from where it belongs, in world units. <b>0</b> (the default): it is "
+                 "exact. <b>Raise it</b> to the error of measured or picked points. Pairs that the others contradict, "
+                 "such as two that are mixed up, are then left out. The log names them in any case.");
 }
 
-void addLandmarkTolerance(RichParameterList &list, const vcg::fcd::FitParam &fit) {
-    addParameter<RichFloat>(
-        list, Shown::Advanced, "landmark_tolerance", Scalarm(fit.landmarkTolerance), "Landmark tolerance",
-        "How far a landmark may stay from where it belongs, in world units. <b>0</b> (the default): it is exact. "
-        "<b>Raise it</b> to the error of measured or picked points. Pairs that the others contradict, such as two that "
-        "are mixed up, are then left out. The log names them in any case.");
+void askSamples(Fields &fields, int &samples, const QString &help) {
+    fields.field("samples", samples, Shown::Advanced, "Samples", help);
 }
 
-void addSamples(RichParameterList &list, int samples, const QString &help) {
-    addParameter<RichInt>(list, Shown::Advanced, "samples", samples, "Samples", help);
-}
-
-void addSampling(RichParameterList &list, const vcg::fcd::FitParam &fit) {
-    addInitialPatches(list, fit.graph.initialPatches);
-    addSmoothness(list, Shown::Advanced, fit.smoothness);
-    addRandomSeed(list, fit.graph.randomSeed);
-    addSamples(list, fit.samples,
+void askSampling(Fields &fields, vcg::fcd::FitParam &fit) {
+    askInitialPatches(fields, fit.graph);
+    askSmoothness(fields, fit.smoothness);
+    askRandomSeed(fields, fit.graph);
+    askSamples(fields, fit.samples,
                "How many places of the surface are matched, evenly spread. <b>Raise it</b> where there are many "
                "patches; it takes longer.");
-    addParameter<RichInt>(list, Shown::Advanced, "fit_steps", fit.fitSteps, "Steps",
-                          "The most steps from stiff to soft; the less the surface moves, the fewer it takes. <b>Raise "
-                          "it</b> where it has far to go, or when the log says that it did not converge.");
-}
-
-void readFitting(const RichParameterList &list, vcg::fcd::FitParam &fit) {
-    fit.stiffness = asTyped(list.getFloat("stiffness"));
-    fit.largestDistance = largestDistance(list);
-    fit.landmarkTolerance = asTyped(list.getFloat("landmark_tolerance"));
-    fit.graph.initialPatches = list.getInt("initial_patches");
-    fit.graph.randomSeed = unsigned(list.getInt("random_seed"));
-    fit.smoothness = asTyped(list.getFloat("smoothness"));
-    fit.samples = list.getInt("samples");
-    fit.fitSteps = list.getInt("fit_steps");
+    fields.field("fit_steps", fit.fitSteps, Shown::Advanced, "Steps",
+                 "The most steps from stiff to soft; the less the surface moves, the fewer it takes. <b>Raise it</b> "
+                 "where it has far to go, or when the log says that it did not converge.");
 }

@@ -1,33 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "common_parameters.h"
+#include "filter_parameters.h"
 #include "filter_fcd.h"
 
 #include <layer_fcd/session_file.h>
 
 // FCD: Save Session and FCD: Load Session.
 
-using host::addParameter;
 using host::Shown;
 using vcg::fcd::Error;
 
-RichParameterList sessionParameters(bool saves) {
-    RichParameterList list;
-    if (saves)
-        addParameter<host::RichSaveFileParam>(list, Shown::Always, "session_file", QString(), "*.fcd",
-                                              "Write session to (.fcd)",
-                                              "The file to write. An existing file is replaced.");
-    else
-        addParameter<host::RichFileParam>(list, Shown::Always, "session_file", QString(), QStringList("*.fcd"),
-                                          "Session (.fcd)", "A file of 'FCD: Save Session' for this very layer.");
-    return list;
+void ask(Fields &fields, SaveSessionParam &param) {
+    fields.saveFile("session_file", param.file, Shown::Always, "*.fcd", "Write session to (.fcd)",
+                    "The file to write. An existing file is replaced.");
+    if (fields.areRead() && param.file.isEmpty())
+        throw Error("session_file is empty. Give the .fcd file to write the session to.");
 }
 
-QString sessionFile(const RichParameterList &list, bool saves) {
-    const QString file = saves ? list.getSaveFileName("session_file") : list.getOpenFileName("session_file");
-    if (file.isEmpty())
-        throw Error(saves ? "session_file is empty. Give the .fcd file to write the session to."
-                          : "session_file is empty. Give the .fcd file with the session.");
-    return file;
+void ask(Fields &fields, LoadSessionParam &param) {
+    fields.openFile("session_file", param.file, Shown::Always, {"*.fcd"}, "Session (.fcd)",
+                    "A file of 'FCD: Save Session' for this very layer.");
+    if (fields.areRead() && param.file.isEmpty())
+        throw Error("session_file is empty. Give the .fcd file with the session.");
 }
 
 namespace {
@@ -66,7 +59,8 @@ std::string describe(const SessionContents &contents, bool saved) {
 
 HostFilterPlugin::ReturnedValues FilterFcd::session(int id, const RichParameterList &parameters,
                                                     const MeshDocument &document, MeshModel &layer) const {
-    const QString file = sessionFile(parameters, id == SaveSession);
+    const QString file = id == SaveSession ? read<SaveSessionParam>(parameters, document).file
+                                           : read<LoadSessionParam>(parameters, document).file;
     const SessionContents contents = id == SaveSession ? saveSession(layer, file) : loadSession(document, layer, file);
     logLine(describe(contents, id == SaveSession));
     return {{"marks", contents.marks},         {"colors", contents.colors},

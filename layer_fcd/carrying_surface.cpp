@@ -3,6 +3,7 @@
 
 #include "carrying_surface.h"
 #include "layer_contents.h"
+#include "layer_labels.h"
 #include "layer_matrix.h"
 #include "parameters.h"
 
@@ -133,7 +134,7 @@ std::string describeSpace(const MeshModel &target, const Eigen::AlignedBox3d &he
     if (!isFar && size <= 10 * sourceSize && (10 * size >= sourceSize || isLandmarks || !isWhole))
         return {};
     std::ostringstream text;
-    text << "The layer '" << target.label().toStdString() << "' is " << size << " across and the source " << sourceSize;
+    text << "The layer " << inQuotes(target) << " is " << size << " across and the source " << sourceSize;
     if (isFar)
         text << ", and they are " << gap << " apart";
     text << ": far from the source, what it does means nothing. Bring the layer to the same place and units first.";

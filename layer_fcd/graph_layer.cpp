@@ -3,6 +3,7 @@
 
 #include "contrasting_colors.h"
 #include "graph_layer.h"
+#include "layer_labels.h"
 #include "layer_matrix.h"
 #include "layer_normals.h"
 #include "new_layers.h"
@@ -36,9 +37,8 @@ Eigen::Matrix3Xd readNodes(const MeshModel &layer, const MeshModel *graph) {
             "'graph_layer' is the layer to deform itself. Choose the layer whose vertices are the nodes (one that "
             "'FCD: Build Deformation Graph' made, for example), or untick 'use_graph_layer'.");
     if (graph->cm.vn == 0)
-        throw Error("The graph layer '" + graph->label().toStdString() +
-                    "' has no vertices, so there are no nodes. Choose another "
-                    "layer, or untick 'use_graph_layer'.");
+        throw Error("The graph layer " + inQuotes(*graph) +
+                    " has no vertices, so there are no nodes. Choose another layer, or untick 'use_graph_layer'.");
     const Eigen::Affine3d from = matrixOf(*graph), to = invertibleMatrixOf(layer);
     const bool same = from.matrix() == to.matrix();
     const Eigen::Affine3d change = to.inverse() * from;

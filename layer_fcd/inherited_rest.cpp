@@ -77,7 +77,7 @@ std::optional<RestState> inheritedRest(const MeshModel &layer, const std::vector
 
 void handDownRest(const MeshDocument &document, const LayerState &state) {
     for (const MeshModel *layer : host::layers(document))
-        if (const LayerState *its = LayerState::of(*layer); state.rest && its != &state && !(its && its->rest))
+        if (state.rest && !LayerState::known(*layer).rest)
             if (std::optional<RestState> rest = inheritedRest(*layer, {&state}))
                 LayerState::made(document, const_cast<MeshModel &>(*layer)).rest = std::move(rest);
 }

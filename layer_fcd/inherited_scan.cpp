@@ -136,7 +136,7 @@ std::optional<KeptScan> inheritedScan(const MeshModel &layer, const std::vector<
 
 void handDown(const MeshDocument &document, const LayerState &state) {
     for (const MeshModel *layer : host::layers(document))
-        if (const LayerState *its = LayerState::of(*layer); state.scan && its != &state && !(its && its->scan))
+        if (state.scan && !LayerState::known(*layer).scan)
             if (std::optional<KeptScan> scan = inheritedScan(*layer, {&state}))
                 LayerState::made(document, const_cast<MeshModel &>(*layer)).scan = std::move(scan);
 }

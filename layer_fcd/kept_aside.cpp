@@ -5,6 +5,7 @@
 #include "inherited_scan.h"
 #include "kept_scan.h"
 #include "layer_contents.h"
+#include "layer_labels.h"
 #include "marks.h"
 #include "mesh_copy.h"
 
@@ -21,6 +22,14 @@ using Quality = CVertexO::QualityType;
 KeptScan *scanOf(const MeshModel &layer) {
     LayerState *state = LayerState::of(layer);
     return state && state->scan ? &*state->scan : nullptr;
+}
+
+/// What is kept of \p layer, or of the one that it comes of; empty: nothing is. \param found has the latter
+const KeptScan *keptOf(const MeshDocument &document, const MeshModel &layer, std::optional<KeptScan> &found) {
+    if (const KeptScan *scan = scanOf(layer))
+        return scan;
+    found = inheritedScan(layer, LayerState::ofOthers(document, layer));
+    return found ? &*found : nullptr;
 }
 
 } // namespace
@@ -107,19 +116,15 @@ void takeTags(const MeshModel &layer, const std::vector<int> &tag, bool color, b
 BroughtBack bringBack(const MeshDocument &document, MeshModel &layer) {
     if (const LayerState *state = LayerState::of(layer))
         handDown(document, *state);
-    const KeptScan *scan = scanOf(layer);
     const bool hadMarks = hasMarks(layer);
     dropMarks(layer);
-    if (!scan && hadMarks)
+    if (!scanOf(layer) && hadMarks)
         return {};
+    std::optional<KeptScan> found;
+    const KeptScan *scan = keptOf(document, layer, found);
     if (!scan)
-        if (std::optional<KeptScan> found = inheritedScan(layer, LayerState::ofOthers(document, layer))) {
-            LayerState::made(document, layer).scan = std::move(found);
-            scan = scanOf(layer);
-        }
-    if (!scan)
-        throw Error("The layer '" + layer.label().toStdString() +
-                    "' has no tags of an FCD filter and no marks of the tool, so there is nothing to bring back.");
+        throw Error("The layer " + inQuotes(layer) +
+                    " has no tags of an FCD filter and no marks of the tool, so there is nothing to bring back.");
     std::atomic<int> others{0}, placed{0}, otherColors{0}, otherQualities{0};
     {
         CMeshO &mesh = layer.cm;
@@ -143,21 +148,10 @@ BroughtBack bringBack(const MeshDocument &document, MeshModel &layer) {
         layer.clearDataMask(MeshModel::MM_VERTCOLOR);
     if (scan->quality && !scan->countedQuality && otherQualities == 0)
         layer.clearDataMask(MeshModel::MM_VERTQUALITY);
-    LayerState::of(layer)->scan.reset();
+    if (LayerState *state = LayerState::of(layer))
+        state->scan.reset();
     return {others, placed};
 }
-
-namespace {
-
-/// What is kept of \p layer, or of the one that it comes of; empty: nothing is. \param found has the latter
-const KeptScan *keptOf(const MeshDocument &document, const MeshModel &layer, std::optional<KeptScan> &found) {
-    if (const KeptScan *scan = scanOf(layer))
-        return scan;
-    found = inheritedScan(layer, LayerState::ofOthers(document, layer));
-    return found ? &*found : nullptr;
-}
-
-} // namespace
 
 void bringBackTo(const MeshDocument &document, MeshModel &copy, const MeshModel &layer) {
     const CMeshO &from = layer.cm;

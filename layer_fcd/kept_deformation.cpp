@@ -12,11 +12,6 @@ using vcg::fcd::Error;
 
 namespace {
 
-std::shared_ptr<const Deformation> deformationKept(const MeshModel &graph) {
-    const LayerState *state = LayerState::of(graph);
-    return state ? state->deformation : nullptr;
-}
-
 /// Whether \p layer has, in memory, the shape that was deformed; otherwise it may have it at rest.
 bool isAsDeformed(const MeshModel &layer, const Deformation &deformation) {
     return shapeOf(layer.cm) == deformation.shape;
@@ -35,7 +30,7 @@ const Deformation &deformationOf(MeshModel *source, const MeshModel *restGraph, 
     if (!source || !restGraph || !deformedGraph)
         throw Error("source_layer, rest_graph and deformed_graph must be layers of this document, where there is no "
                     "deformation_file.");
-    const std::shared_ptr<const Deformation> found = deformationKept(*deformedGraph);
+    const std::shared_ptr<const Deformation> &found = LayerState::known(*deformedGraph).deformation;
     if (!found)
         throw Error("The layer " + inQuotes(*deformedGraph) +
                     " holds no deformation. It must be the deformed graph that 'FCD: Deform Mesh' "
@@ -75,7 +70,7 @@ DeformationLayers lastDeformation(const MeshDocument &document) {
     };
     DeformationLayers last;
     for (const MeshModel *layer : layers) {
-        const std::shared_ptr<const Deformation> found = deformationKept(*layer);
+        const std::shared_ptr<const Deformation> &found = LayerState::known(*layer).deformation;
         if (!found || (last.deformedGraph && layer->id() < last.deformedGraph->id()))
             continue;
         const MeshModel *source = layerOf(found->source), *restGraph = layerOf(found->restGraph);

@@ -14,8 +14,8 @@ void keepTool(const MeshDocument &document, MeshModel &layer, std::string text, 
 }
 
 std::shared_ptr<const ToolState> toolOf(const MeshModel &layer) {
-    const LayerState *state = LayerState::of(layer);
-    const bool isIts = state && state->tool && state->tool->matrix == layer.cm.Tr &&
-                       (!state->tool->isPosed || state->rest) && state->tool->shape == shapeOf(layer.cm);
-    return isIts ? state->tool : nullptr;
+    const LayerState &state = LayerState::known(layer);
+    const bool isIts = state.tool && state.tool->matrix == layer.cm.Tr && (!state.tool->isPosed || state.rest) &&
+                       state.tool->shape == shapeOf(layer.cm);
+    return isIts ? state.tool : nullptr;
 }

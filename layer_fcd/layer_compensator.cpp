@@ -67,8 +67,7 @@ CompensatedLayers compensateLayer(MeshDocument &document, MeshModel &layer, cons
     NewLayers layers(document, layer, remark);
     made.layers.push_back(&layers.addDeformed("compensated", position, linear, quality));
     layers.keep(*made.layers.back(), progress.Slice(0.95, 1));
-    if (host::inWindow()) // one sees what one asked for
-        showLast(document, layer, made.layers);
+    showLast(document, layer, made.layers);
     made.seconds = watch.Seconds();
     return made;
 }

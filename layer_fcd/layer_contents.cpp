@@ -8,24 +8,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <type_traits>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
 namespace {
 
-/// The bytes of plain numbers, one after the other.
-class ContentBytes {
+/// What elements have, as numbers.
+class ContentBytes : public NumberBytes {
   public:
-    template <class T>
-    void add(const T &value) {
-        static_assert(std::is_arithmetic<T>::value, "no gaps");
-        const std::size_t at = bytes.size();
-        bytes.resize(at + sizeof(T));
-        std::memcpy(&bytes[at], &value, sizeof(T));
-    }
     template <class Vector>
     void addEach(const Vector &values, int count) {
         for (int i = 0; i < count; ++i)
@@ -33,18 +24,14 @@ class ContentBytes {
     }
     void addText(const std::string &text) {
         add(text.size());
-        bytes.insert(bytes.end(), text.begin(), text.end());
+        for (const char c : text)
+            add(c);
     }
     template <class TexCoord>
     void addTexture(const TexCoord &place) {
-        add(place.u());
-        add(place.v());
-        add(place.n());
+        add(place.u(), place.v(), place.n());
     }
-    std::uint64_t hash(std::uint64_t seed) const { return XXH3_64bits_withSeed(bytes.data(), bytes.size(), seed); }
-
-  private:
-    std::vector<unsigned char> bytes;
+    std::uint64_t hash(std::uint64_t seed) const { return XXH3_64bits_withSeed(data(), size(), seed); }
 };
 
 /// A number for elements: add(element, bytes) tells of one that is live.

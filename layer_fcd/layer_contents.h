@@ -13,8 +13,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <numeric>
+#include <type_traits>
 #include <vector>
 
 /// \file
@@ -51,6 +53,28 @@ std::uint64_t sumOfVertices(const CMeshO &mesh, const Term &term) {
         return sum;
     });
 }
+
+/// The bytes of plain numbers, one after the other.
+class NumberBytes {
+  public:
+    template <class... Numbers>
+    void add(const Numbers &...numbers) {
+        (addOne(numbers), ...);
+    }
+    const unsigned char *data() const { return bytes.data(); }
+    std::size_t size() const { return bytes.size(); }
+
+  private:
+    template <class Number>
+    void addOne(const Number &number) {
+        static_assert(std::is_arithmetic<Number>::value || std::is_enum<Number>::value, "no gaps");
+        const std::size_t at = bytes.size();
+        bytes.resize(at + sizeof(Number));
+        std::memcpy(&bytes[at], &number, sizeof(Number));
+    }
+
+    std::vector<unsigned char> bytes;
+};
 
 /// How far a coordinate that a host moved may be off, of the numbers that it is the sum of: a host multiplies and adds
 /// four, each rounded, those of the matrix, too; and a person may turn a layer some times.

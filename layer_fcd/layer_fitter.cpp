@@ -173,8 +173,7 @@ std::vector<MeshModel *> addFitted(MeshDocument &document, MeshModel &layer, con
     std::vector<MeshModel *> added = layers.addResult(
         "fitted", fitted.result, quality, preparedOf(param.graphLayers ? fitted.fitter : nullptr, fitted.result.tags));
     layers.keep(*added.back(), progress);
-    if (host::inWindow()) // one sees what one asked for
-        showLast(document, layer, added);
+    showLast(document, layer, added);
     return added;
 }
 

@@ -43,8 +43,12 @@ const MeshModel *layerNamed(const std::string &label, const MeshDocument &docume
     return nullptr;
 }
 
+std::string counted(std::size_t count, const std::string &one, const std::string &many) {
+    return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
 std::string trianglesFlipped(std::size_t count) {
-    return std::to_string(count) + (count == 1 ? " triangle is" : " triangles are") + " flipped";
+    return counted(count, "triangle is flipped", "triangles are flipped");
 }
 
 QString labelOf(const MeshModel &base, const QString &what) {

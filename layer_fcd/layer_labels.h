@@ -19,6 +19,9 @@ const MeshModel &checkedTarget(const MeshModel &layer, const MeshModel *target, 
 /// The first layer with that label, and vertices, besides \p layer; null where there is none.
 const MeshModel *layerNamed(const std::string &label, const MeshDocument &document, const MeshModel &layer);
 
+/// "1 ONE", or "3 MANY".
+std::string counted(std::size_t count, const std::string &one, const std::string &many);
+
 /// "3 triangles are flipped", as the logs of the filters begin a warning.
 std::string trianglesFlipped(std::size_t count);
 

@@ -3,6 +3,7 @@
 
 #include "kept_aside.h"
 #include "layer_contents.h"
+#include "layer_labels.h"
 #include "layer_look.h"
 
 #include <algorithm>
@@ -104,7 +105,7 @@ SurfaceLook lookOf(const MeshDocument &document, const MeshModel &layer, const R
     for (std::size_t i = 0; !look.place.empty() && i < mesh.textures.size(); ++i) {
         look.image.push_back(textureOf(layer, mesh.textures[i]));
         if (look.image.back().content.empty() && remark)
-            remark("A texture of '" + layer.label().toStdString() + "' ('" + mesh.textures[i] +
+            remark("A texture of " + inQuotes(layer) + " ('" + mesh.textures[i] +
                    "') cannot be read, so the .glb file is without it. Put it beside the layer's file, as PNG, and "
                    "load that again.");
     }

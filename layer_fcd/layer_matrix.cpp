@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/base/graph.h> // before Qt
 
+#include "layer_labels.h"
 #include "layer_matrix.h"
 
 #include <Eigen/LU>
@@ -13,7 +14,7 @@ using vcg::fcd::Error;
 Eigen::Affine3d matrixOf(const MeshModel &layer) {
     Eigen::Matrix4d matrix;
     layer.cm.Tr.ToEigenMatrix(matrix);
-    const std::string name = "The matrix of the layer '" + layer.label().toStdString() + "' ";
+    const std::string name = "The matrix of the layer " + inQuotes(layer) + " ";
     if (!matrix.allFinite())
         throw Error(name + "holds a number that is not finite. Reset the matrix.");
     if (matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
@@ -40,8 +41,8 @@ Eigen::Matrix3d metricOf(const MeshModel &layer) {
 Eigen::Affine3d invertibleMatrixOf(const MeshModel &layer) {
     const Eigen::Affine3d matrix = matrixOf(layer);
     if (!isInvertible(matrix.linear()))
-        throw Error("The matrix of the layer '" + layer.label().toStdString() +
-                    "' cannot be inverted, so its world coordinates have no way back. Reset the matrix, or freeze it.");
+        throw Error("The matrix of the layer " + inQuotes(layer) +
+                    " cannot be inverted, so its world coordinates have no way back. Reset the matrix, or freeze it.");
     return matrix;
 }
 

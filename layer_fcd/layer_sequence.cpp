@@ -5,12 +5,14 @@
 #include "carrying_surface.h"
 #include "layer_contents.h"
 #include "layer_deformer.h"
+#include "layer_labels.h"
 #include "layer_look.h"
 #include "layer_matrix.h"
 #include "layer_sequence.h"
 #include "motion_sources.h"
 #include "new_layers.h"
 #include "rest_shape.h"
+#include "results.h"
 #include "save_files.h"
 #include "tag_sources.h"
 
@@ -29,10 +31,7 @@ using vcg::fcd::PoseSequence;
 using vcg::fcd::Progress;
 using vcg::fcd::SurfaceMark;
 
-std::optional<PoseSequence> posesOf(const MeshModel &layer) {
-    const LayerState *state = LayerState::of(layer);
-    return state ? state->poses : std::nullopt;
-}
+std::optional<PoseSequence> posesOf(const MeshModel &layer) { return LayerState::known(layer).poses; }
 
 void keepPoses(const MeshDocument &document, MeshModel &layer, const PoseSequence &poses) {
     if (poses.pose.empty() && !LayerState::of(layer))
@@ -65,9 +64,9 @@ Poses findPoses(const MeshModel &layer, const QString &file) {
     if (file.isEmpty()) {
         if (std::optional<PoseSequence> sequence = posesOf(layer))
             return {std::move(*sequence), layer.label().toStdString()};
-        throw Error("The layer '" + layer.label().toStdString() +
-                    "' keeps no poses: layers that are saved and loaded, or copied, lose them. Give the .csv file "
-                    "with the poses as 'poses_file'.");
+        throw Error("The layer " + inQuotes(layer) +
+                    " keeps no poses: layers that are saved and loaded, or copied, lose them. Give the .csv file with "
+                    "the poses as 'poses_file'.");
     }
     return {vcg::fcd::ReadPoseSequence(vcg::fcd::ReadFile(QFile::encodeName(file).toStdString(), most), name), name};
 }
@@ -224,12 +223,7 @@ SequenceLayers makeSequence(MeshDocument &document, MeshModel &layer, PreparedLa
         files.save();
         keepPoses(document, layer, sequence);
     });
-    if (host::inWindow() && !made.layers.empty()) { // one sees one of them
-        for (MeshModel *each : made.layers)
-            host::setVisible(*each, each == made.layers.back());
-        host::setVisible(layer, false);
-        host::showChanges(document);
-    }
+    showLast(document, layer, made.layers);
     made.poses = int(sequence.pose.size());
     made.keyFrames = int(sequence.key.size());
     made.nodes = int(deformer.Nodes());

@@ -5,6 +5,7 @@
 #include "inherited_scan.h"
 #include "kept_deformation.h"
 #include "kept_tool.h"
+#include "layer_labels.h"
 #include "layer_state.h"
 
 #include <algorithm>
@@ -71,10 +72,7 @@ States *statesOf(const MeshDocument &document) {
 
 /// What is kept of a layer that no file of a mesh or of a project has room for; a list.
 QString lostWithProjects(const MeshModel &layer) {
-    const LayerState *known = LayerState::of(layer);
-    if (!known)
-        return {};
-    const LayerState &state = *known;
+    const LayerState &state = LayerState::known(layer);
     QStringList all;
     if (state.rest)
         all << "rest shape";
@@ -99,8 +97,8 @@ void tellWhenProjectsAreSaved(MeshDocument &document) {
         for (const MeshModel *layer : host::layers(document)) {
             const QString lost = lostWithProjects(*layer);
             if (!lost.isEmpty())
-                host::log(document, "FCD: a project has no room for what is kept of '" + layer->label().toStdString() +
-                                        "': " + lost.toStdString() + ". 'FCD: Save Session' writes that to a file.");
+                host::log(document, "FCD: a project has no room for what is kept of " + inQuotes(*layer) + ": " +
+                                        lost.toStdString() + ". 'FCD: Save Session' writes that to a file.");
         }
     };
     for (const QWidget *window : QApplication::topLevelWidgets())
@@ -186,10 +184,16 @@ LayerState *LayerState::of(const CMeshO &mesh) {
     return nullptr;
 }
 
+const LayerState &LayerState::known(const MeshModel &layer) {
+    static const LayerState nothing;
+    const LayerState *its = of(layer);
+    return its ? *its : nothing;
+}
+
 LayerState &LayerState::made(const MeshDocument &document, MeshModel &layer) {
-    LayerState *const known = of(layer);
-    if (known)
-        return *known;
+    LayerState *const its = of(layer);
+    if (its)
+        return *its;
     States &states = madeStatesOf(document);
     // A host that closes all at once says nothing of it.
     const std::vector<const MeshModel *> layers = host::layers(document);

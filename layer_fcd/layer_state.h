@@ -152,6 +152,8 @@ struct LayerState {
     /// That of a layer, null where nothing is known of it.
     static LayerState *of(const CMeshO &mesh);
     static LayerState *of(const MeshModel &layer) { return of(layer.cm); }
+    /// The same, to be read; where nothing is known of the layer, one that says so.
+    static const LayerState &known(const MeshModel &layer);
     /// The same, made where there is none.
     static LayerState &made(const MeshDocument &document, MeshModel &layer);
     /// Where nothing is known of a layer, its mesh is as if nothing ever was.

@@ -91,8 +91,7 @@ StraightenedLayers addStraightened(MeshDocument &document, MeshModel &layer, con
     made.layers =
         layers.addResult("straightened", made.result, shape.quality, param.graphLayers ? shape.prepared : nullptr);
     layers.keep(*made.layers.back(), progress);
-    if (host::inWindow()) // one sees what one asked for
-        showLast(document, layer, made.layers);
+    showLast(document, layer, made.layers);
     made.seconds = shape.watch.Seconds();
     return made;
 }

@@ -177,8 +177,7 @@ SymmetrizedLayers symmetrizeLayer(MeshDocument &document, MeshModel &layer, cons
     made.layers =
         layers.addResult("symmetrized", result, quality, preparedOf(param.graphLayers ? fitter : nullptr, result.tags));
     layers.keep(*made.layers.back(), progress.Slice(0.95, 1));
-    if (host::inWindow()) // one sees what one asked for
-        showLast(document, layer, made.layers);
+    showLast(document, layer, made.layers);
     made.seconds = watch.Seconds();
     return made;
 }

@@ -15,12 +15,9 @@ std::vector<int> shifted(std::vector<int> tag, int by) {
 
 } // namespace
 
-bool hasMarks(const MeshModel &layer) {
-    const LayerState *state = LayerState::of(layer);
-    return state && !state->marks.empty();
-}
+bool hasMarks(const MeshModel &layer) { return !LayerState::known(layer).marks.empty(); }
 
-std::vector<int> marksOf(const MeshModel &layer) { return shifted(LayerState::of(layer)->marks, 1); }
+std::vector<int> marksOf(const MeshModel &layer) { return shifted(LayerState::known(layer).marks, 1); }
 
 void setMarks(const MeshDocument &document, MeshModel &layer, const std::vector<int> &tag) {
     LayerState::made(document, layer).marks = shifted(tag, -1);
@@ -32,8 +29,8 @@ void dropMarks(const MeshModel &layer) {
 }
 
 bool hasTags(const MeshModel &layer) {
-    const LayerState *state = LayerState::of(layer);
-    return hasMarks(layer) || (state && state->scan && state->scan->quality);
+    const std::optional<KeptScan> &scan = LayerState::known(layer).scan;
+    return hasMarks(layer) || (scan && scan->quality);
 }
 
 const std::string &appliedTags(const MeshDocument &document, MeshModel &layer) {
@@ -45,6 +42,5 @@ const std::string &appliedTags(const MeshDocument &document, MeshModel &layer) {
 }
 
 bool isApplied(const MeshModel &layer, const std::string &attribute) {
-    const LayerState *state = LayerState::of(layer);
-    return state && state->appliedName == attribute;
+    return LayerState::known(layer).appliedName == attribute;
 }

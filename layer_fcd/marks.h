@@ -29,7 +29,7 @@ bool hasTags(const MeshModel &layer);
 /// also where the layer is saved with it. Whoever has an attribute of that name keeps it.
 const std::string &appliedTags(const MeshDocument &document, MeshModel &layer);
 
-/// Whether a vertex attribute is that one. It belongs to the layer alone.
+/// Whether a vertex attribute, which has a name, is that one. It belongs to the layer alone.
 bool isApplied(const MeshModel &layer, const std::string &attribute);
 
 #endif

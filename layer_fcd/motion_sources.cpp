@@ -4,6 +4,7 @@
 #include <vcg_ext/handles/motion_text.h>
 
 #include "layer_contents.h"
+#include "layer_labels.h"
 #include "layer_matrix.h"
 #include "motion_sources.h"
 
@@ -31,8 +32,7 @@ std::vector<MotionStep> stepsOf(const HandleParam &param, const MeshModel &layer
         try {
             vcg::fcd::ToMotion(steps, Eigen::Vector3d::Zero());
         } catch (const Error &e) {
-            throw Error("The handles cannot move like the layer '" + param.likeLayer->label().toStdString() +
-                        "': " + e.what());
+            throw Error("The handles cannot move like the layer " + inQuotes(*param.likeLayer) + ": " + e.what());
         }
     }
     steps.push_back(MotionStep::Affine(param.matrix));

@@ -3,6 +3,7 @@
 
 #include "inherited_rest.h"
 #include "layer_contents.h"
+#include "layer_labels.h"
 #include "layer_normals.h"
 #include "parameters.h"
 #include "pose_in_place.h"
@@ -121,8 +122,8 @@ bool writePose(CMeshO &mesh, RestShape &rest, const Prepared &prepared, const vc
 void resetPose(const MeshDocument &document, MeshModel &layer, const ResetPoseParam &param, const Remark &remark) {
     handDownRest(document, layer);
     if (!RestShape::inherit(document, layer))
-        throw Error("The layer '" + layer.label().toStdString() +
-                    "' has not been posed in place, so there is no other shape to go back to.");
+        throw Error("The layer " + inQuotes(layer) +
+                    " has not been posed in place, so there is no other shape to go back to.");
     if (param.keepShape) {
         RestShape::keep(document, layer);
         return;

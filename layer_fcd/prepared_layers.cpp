@@ -5,7 +5,6 @@
 #include "prepared_layers.h"
 
 #include <algorithm>
-#include <cstring>
 #include <utility>
 
 #define XXH_INLINE_ALL
@@ -19,29 +18,15 @@ namespace {
 /// Deformers of so many vertices are kept, and the latest: each takes about 100 bytes.
 const std::size_t mostVertices = 8000000;
 
-/// The bytes of numbers, one after the other.
-class Bytes {
-  public:
-    template <class T>
-    void add(const T &value) {
-        static_assert(std::is_arithmetic<T>::value || std::is_enum<T>::value, "no gaps");
-        const std::size_t at = bytes.size();
-        bytes.resize(at + sizeof(T));
-        std::memcpy(&bytes[at], &value, sizeof(T));
-    }
-    PreparedLayers::Key::Hash hash() const {
-        const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
-        return {hash.low64, hash.high64};
-    }
-
-  private:
-    std::vector<unsigned char> bytes;
-};
+PreparedLayers::Key::Hash hashOf(const NumberBytes &bytes) {
+    const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+    return {hash.low64, hash.high64};
+}
 
 /// Adds the hashes of consecutive ranges of n items, of \p each numbers of type T: range(first, last, to) gives those
 /// of one, in \p to or elsewhere.
 template <class T, class Range>
-void addHashes(Bytes &bytes, std::size_t n, std::size_t each, const Range &range) {
+void addHashes(NumberBytes &bytes, std::size_t n, std::size_t each, const Range &range) {
     const std::size_t grain = 1 << 14;
     std::vector<XXH128_hash_t> hashes((n + grain - 1) / grain);
     ParallelFor(0, n, grain, [&](std::size_t first, std::size_t last) {
@@ -51,10 +36,8 @@ void addHashes(Bytes &bytes, std::size_t n, std::size_t each, const Range &range
         hashes[first / grain] = XXH3_128bits(data, each * (last - first) * sizeof(T));
     });
     bytes.add(n);
-    for (const XXH128_hash_t &hash : hashes) {
-        bytes.add(hash.low64);
-        bytes.add(hash.high64);
-    }
+    for (const XXH128_hash_t &hash : hashes)
+        bytes.add(hash.low64, hash.high64);
 }
 
 /// The ranges of a surface in arrays.
@@ -93,7 +76,7 @@ struct MeshRanges {
 template <class Ranges>
 PreparedLayers::Key keyOfRanges(const Ranges &surface, const vcg::fcd::Handles &handles,
                                 const vcg::fcd::DeformerParam &param) {
-    Bytes bytes, held;
+    NumberBytes bytes, held;
     addHashes<double>(bytes, surface.vertexSlots, 3, [&](std::size_t first, std::size_t last, double *to) {
         return surface.positions(first, last, to);
     });
@@ -112,19 +95,11 @@ PreparedLayers::Key keyOfRanges(const Ranges &surface, const vcg::fcd::Handles &
         bytes.add(handles.world.linear()(i / 3, i % 3));
     for (Eigen::Index i = 0; i < param.nodes.size(); ++i)
         bytes.add(param.nodes.data()[i]);
-    bytes.add(param.graph.targetRadius);
-    bytes.add(param.graph.initialPatches);
-    bytes.add(param.graph.maxIterations);
-    bytes.add(param.graph.tolerance);
-    bytes.add(param.graph.randomSeed);
-    bytes.add(param.graph.measure);
-    bytes.add(param.graphWeights);
-    bytes.add(param.falloff);
-    bytes.add(param.weights);
-    bytes.add(param.influence);
-    bytes.add(param.looseParts);
-    bytes.add(param.weldDistance);
-    return {bytes.hash(), held.hash()};
+    const vcg::fcd::GraphParam &graph = param.graph;
+    bytes.add(graph.targetRadius, graph.initialPatches, graph.maxIterations, graph.tolerance, graph.randomSeed,
+              graph.measure, param.graphWeights, param.falloff, param.weights, param.influence, param.looseParts,
+              param.weldDistance);
+    return {hashOf(bytes), hashOf(held)};
 }
 
 } // namespace

@@ -5,6 +5,7 @@
 #include "affine_map.h"
 #include "inherited_rest.h"
 #include "layer_contents.h"
+#include "layer_labels.h"
 #include "layer_normals.h"
 #include "parameters.h"
 #include "rest_shape.h"
@@ -212,17 +213,17 @@ void RestShape::checkVertices(const std::string &remedy, const Remark &remark) {
     state.normalsBefore = now;
     if (strangers == 0) {
         if (remark && !areOwn)
-            remark("Something else has computed the normals of '" + layer.label().toStdString() +
-                   "' since its last pose. They are those of the rest shape, turned, again: compute them anew.");
+            remark("Something else has computed the normals of " + inQuotes(layer) +
+                   " since its last pose. They are those of the rest shape, turned, again: compute them anew.");
         return;
     }
     if (!followMove())
-        throw vcg::fcd::Error("The layer '" + layer.label().toStdString() +
-                              "' was changed since its last pose: " + std::to_string(strangers) + " of its " +
+        throw vcg::fcd::Error("The layer " + inQuotes(layer) +
+                              " was changed since its last pose: " + std::to_string(strangers) + " of its " +
                               std::to_string(mesh.vn) + " vertices were moved or made by something else. " + remedy);
     if (remark)
-        remark("Something else has moved all of '" + layer.label().toStdString() +
-               "' alike since its last pose (turned, scaled, or put elsewhere): its rest shape is moved so, too.");
+        remark("Something else has moved all of " + inQuotes(layer) +
+               " alike since its last pose (turned, scaled, or put elsewhere): its rest shape is moved so, too.");
 }
 
 std::uint64_t RestShape::followFaces() {

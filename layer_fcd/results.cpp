@@ -8,11 +8,6 @@
 
 namespace {
 
-const ResultState *resultOf(const MeshModel &layer) {
-    const LayerState *state = LayerState::of(layer);
-    return state && state->result ? &*state->result : nullptr;
-}
-
 bool isAsMade(const MeshModel &layer, const ResultState &result) {
     return contentsOf(layer) == result.contents && (result.ownNormals || !hasOwnNormals(layer));
 }
@@ -20,6 +15,8 @@ bool isAsMade(const MeshModel &layer, const ResultState &result) {
 } // namespace
 
 void showLast(MeshDocument &document, MeshModel &source, const std::vector<MeshModel *> &results) {
+    if (!host::inWindow() || results.empty())
+        return;
     for (MeshModel *result : results)
         host::setVisible(*result, result == results.back());
     host::setVisible(source, false);
@@ -34,7 +31,7 @@ void showResult(MeshDocument &document, MeshModel &source, const std::vector<Mes
 }
 
 MeshModel &sourceOf(MeshDocument &document, MeshModel &layer) {
-    const ResultState *result = resultOf(layer);
+    const std::optional<ResultState> &result = LayerState::known(layer).result;
     if (!result || !isAsMade(layer, *result))
         return layer;
     for (const MeshModel *other : host::layers(document))
@@ -46,7 +43,7 @@ MeshModel &sourceOf(MeshDocument &document, MeshModel &layer) {
 std::vector<MeshModel *> earlierResults(MeshDocument &document, const MeshModel &source) {
     std::vector<MeshModel *> results;
     for (const MeshModel *layer : host::layers(document)) {
-        const ResultState *result = resultOf(*layer);
+        const std::optional<ResultState> &result = LayerState::known(*layer).result;
         if (result && result->source == source.id() && layer->label() == result->label && isAsMade(*layer, *result))
             results.push_back(const_cast<MeshModel *>(layer));
     }

@@ -9,7 +9,8 @@
 /// \file
 /// For a person at the window (host::inWindow): what was made from what, so that one try replaces another.
 
-/// Shows the last of \p results, and hides the others and the \p source that they were made from.
+/// One sees what one asked for: shows the last of \p results, if there are any, and hides the others and the \p source
+/// that they were made from. Elsewhere than in the window, nothing is seen.
 void showLast(MeshDocument &document, MeshModel &source, const std::vector<MeshModel *> &results);
 
 /// The same, and remembers what they were made from, so that another try replaces them.

@@ -144,9 +144,9 @@ SessionContents contentsOf(const LayerState &state) {
 
 SessionContents saveSession(const MeshModel &layer, const QString &file) {
     const CMeshO &mesh = layer.cm;
-    const LayerState *state = LayerState::of(layer);
+    const LayerState &state = LayerState::known(layer);
     const auto tool = toolOf(layer);
-    if (!state || (state->marks.empty() && !state->scan && !state->rest && !state->poses && !state->fit && !tool))
+    if (state.marks.empty() && !state.scan && !state.rest && !state.poses && !state.fit && !tool)
         throw Error("Nothing is known of the layer " + inQuotes(layer) +
                     " that a session would keep. Tag, mark, pose or fit it first.");
     const LiveVertices live(mesh);
@@ -155,28 +155,28 @@ SessionContents saveSession(const MeshModel &layer, const QString &file) {
                  {QString("corners"), live.corners()},
                  {QString("position"), live.points([&](std::size_t i) { return mesh.vert[i].cP(); })},
                  {QString("normal"), live.points([&](std::size_t i) { return mesh.vert[i].cN(); })}};
-    if (!state->marks.empty())
+    if (!state.marks.empty())
         map.insert(QString("marks"),
-                   live.array<std::int32_t>(1, [&](std::size_t i, auto *to) { *to = state->marks[i] + 1; }));
-    if (state->scan)
-        map.insert(QString("scan"), mapOf(*state->scan, live));
-    if (state->rest) {
-        QCborMap rest = live.shape(*state->rest);
-        rest.insert(QString("own_normals"), state->rest->ownNormals);
+                   live.array<std::int32_t>(1, [&](std::size_t i, auto *to) { *to = state.marks[i] + 1; }));
+    if (state.scan)
+        map.insert(QString("scan"), mapOf(*state.scan, live));
+    if (state.rest) {
+        QCborMap rest = live.shape(*state.rest);
+        rest.insert(QString("own_normals"), state.rest->ownNormals);
         QCborArray earlier;
-        for (const Shape &shape : state->rest->earlier)
+        for (const Shape &shape : state.rest->earlier)
             earlier.append(live.shape(shape));
         rest.insert(QString("earlier"), earlier);
         map.insert(QString("rest"), rest);
     }
-    if (state->poses)
-        map.insert(QString("poses"), QString::fromStdString(PoseSequenceText(*state->poses)));
+    if (state.poses)
+        map.insert(QString("poses"), QString::fromStdString(PoseSequenceText(*state.poses)));
     if (tool)
         map.insert(QString("tool"), mapOf(*tool));
-    if (state->fit && !state->fit->pairs.empty())
-        map.insert(QString("pairs"), arrayOf(state->fit->pairs, live));
-    if (state->fit && state->fit->isSet())
-        map.insert(QString("fit"), mapOf(*state->fit, layer, live));
+    if (state.fit && !state.fit->pairs.empty())
+        map.insert(QString("pairs"), arrayOf(state.fit->pairs, live));
+    if (state.fit && state.fit->isSet())
+        map.insert(QString("fit"), mapOf(*state.fit, layer, live));
     const QByteArray bytes = map.toCborValue().toCbor();
     const QByteArray all = QCborMap{{QString("format"), QString(formatName)},
                                     {QString("version"), version},
@@ -185,7 +185,7 @@ SessionContents saveSession(const MeshModel &layer, const QString &file) {
                                .toCborValue()
                                .toCbor();
     saveFiles({{file, all.toStdString()}});
-    SessionContents contents = contentsOf(*state);
+    SessionContents contents = contentsOf(state);
     contents.tool = tool != nullptr;
     return contents;
 }

@@ -3,6 +3,7 @@
 #include <vcg_ext/handles/handle_file.h>
 
 #include "layer_contents.h"
+#include "layer_labels.h"
 #include "layer_matrix.h"
 #include "marks.h"
 #include "point_sources.h"
@@ -111,8 +112,8 @@ std::vector<int> tagsFromFile(const MeshModel &layer, const QString &path) {
     const CMeshO &mesh = layer.cm;
     const std::vector<int> listed = vcg::fcd::ReadTagFile(QFile::encodeName(path).toStdString(), mostBytes(layer, 100));
     if (listed.size() != std::size_t(mesh.vn))
-        throw Error(path.toStdString() + " has " + std::to_string(listed.size()) + " tags, but the layer '" +
-                    layer.label().toStdString() + "' has " + std::to_string(mesh.vn) +
+        throw Error(path.toStdString() + " has " + std::to_string(listed.size()) + " tags, but the layer " +
+                    inQuotes(layer) + " has " + std::to_string(mesh.vn) +
                     " vertices. It must list one tag per vertex of this very mesh, in the order of the vertices.");
     std::vector<int> tag(mesh.vert.size(), 1);
     std::size_t next = 0;
@@ -127,8 +128,7 @@ std::vector<int> tagsFromFile(const MeshModel &layer, const QString &path) {
 bool mayHaveTags(const MeshModel &layer) {
     if (hasMarks(layer))
         return true;
-    const LayerState *state = LayerState::of(layer);
-    return hasQuality(layer) && !(state && state->measured == qualityOf(layer.cm)) &&
+    return hasQuality(layer) && LayerState::known(layer).measured != qualityOf(layer.cm) &&
            std::all_of(layer.cm.vert.begin(), layer.cm.vert.end(),
                        [](const CVertexO &vertex) { return vertex.IsD() || vertex.cQ() == std::round(vertex.cQ()); });
 }

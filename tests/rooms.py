@@ -42,7 +42,7 @@ PLUGIN_FLOORS = {
         " layer_deformer layer_sequence carrying_surface layer_look",
     ],
     "filter_fcd": [
-        "filter_reports filter_parameters common_parameters",
+        "fields filter_reports filter_parameters common_parameters",
         "bending_parameters compensate_parameters fit_parameters fitting_parameters handle_parameters sequence_parameters straighten_parameters symmetrize_parameters"
         " tag_parameters fit_reports dialogs",
         "filter_fcd bending_filters filter_texts session_filters",

@@ -39,10 +39,7 @@ std::shared_ptr<const BendTags> BendSession::marksNow(const MeshModel &layer) {
     return std::all_of(present->begin(), present->end(), [](int tag) { return tag == 1; }) ? nullptr : present;
 }
 
-std::shared_ptr<const ToolState> BendSession::toolNow() const {
-    const LayerState *its = LayerState::of(layer);
-    return its ? its->tool : nullptr;
-}
+std::shared_ptr<const ToolState> BendSession::toolNow() const { return LayerState::known(layer).tool; }
 
 /// The layer keeps what is known here, if that is more than tags of a filter.
 void BendSession::keepState() {

@@ -50,8 +50,7 @@ void FitSession::resume(const FitState &state) {
 }
 
 std::string FitSession::takeKept() {
-    const LayerState *its = LayerState::of(layer);
-    const auto fit = its ? its->fit : nullptr;
+    const auto fit = LayerState::known(layer).fit;
     if (fit == kept)
         return "";
     kept = fit;

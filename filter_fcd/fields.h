@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_FIELDS_H
+#define FCD_FIELDS_H
+
+#include <layer_fcd/parameters.h> // before Qt
+
+/// Goes through the parameters of a filter, with a call for each in their order: either declares them to the host,
+/// whose defaults are then the values at hand, or reads them.
+class Fields {
+  public:
+    using Shown = host::Shown;
+
+    /// Declares. Lengths are relative to the current layer, if there is one.
+    explicit Fields(const MeshDocument &document) : document(document) {}
+    /// Reads. \throw what the host does where \p given lacks one
+    Fields(const MeshDocument &document, const RichParameterList &given) : document(document), given(&given) {}
+
+    const RichParameterList &declared() const { return list; }
+    bool areRead() const { return given; }
+    bool isGiven(const QString &name) const { return given && given->hasParameter(name); }
+    /// Whether newer ones are among them, of which \p first is the first: the window has them, a script may lack them.
+    bool hasNewer(const QString &first) const { return given ? isGiven(first) : !host::firstMayBeLacking(); }
+    /// From here on, what is read and not given keeps its value. So do layers in any case.
+    void letLack() { mayLack = true; }
+
+    void field(const QString &name, bool &value, Shown shown, const QString &label, const QString &help);
+    void field(const QString &name, int &value, Shown shown, const QString &label, const QString &help);
+    void field(const QString &name, QString &value, Shown shown, const QString &label, const QString &help);
+    /// \param exponent of 10: what the number is that is shown as 1
+    void field(const QString &name, double &value, Shown shown, const QString &label, const QString &help,
+               int exponent = 0);
+    template <class Value>
+    void field(const QString &name, Value &value, Shown shown, const ParameterText &text) {
+        field(name, value, shown, text.label, text.help);
+    }
+    /// In units of the current layer, also as a percentage of the diagonal of its bounding box.
+    void length(const QString &name, double &value, Shown shown, const QString &label, const QString &help);
+    void position(const QString &name, Eigen::Vector3d &value, Shown shown, const QString &label, const QString &help);
+    void direction(const QString &name, Eigen::Vector3d &value, Shown shown, const QString &label, const QString &help);
+    void matrix(const QString &name, Eigen::Matrix4d &value, Shown shown, const QString &label, const QString &help);
+    void openFile(const QString &name, QString &value, Shown shown, const QStringList &endings, const QString &label,
+                  const QString &help);
+    void saveFile(const QString &name, QString &value, Shown shown, const QString &ending, const QString &label,
+                  const QString &help);
+
+    /// One of \p values. \throw vcg::fcd::Error when what is read is none of them
+    template <class Enum>
+    void choice(const QString &name, Enum &value, Shown shown, const QStringList &values, const QString &label,
+                const QString &help) {
+        int number = int(value);
+        choice(name, number, shown, values, label, help);
+        value = Enum(number);
+    }
+    void choice(const QString &name, int &value, Shown shown, const QStringList &values, const QString &label,
+                const QString &help);
+    template <class Enum>
+    void choice(const QString &name, Enum &value, Shown shown, const ParameterText &text) {
+        choice(name, value, shown, text.values, text.label, text.help);
+    }
+
+    /// A layer, null where the name is that of none. \param likely the default
+    template <class Layer>
+    void layer(const QString &name, Layer *&value, const MeshModel *likely, Shown shown, const QString &label,
+               const QString &help) {
+        if (!given)
+            host::addLayerParameter(list, shown, name, likely, document, label, help);
+        else if (isGiven(name))
+            value = host::layerParameter(*given, name, document);
+    }
+
+    /// Declares those \p first before the others, which come last or, without \p others, not at all; with handleLayer
+    /// first where an older script may lack it.
+    void order(QStringList first, bool others);
+
+    const MeshDocument &document;
+
+  private:
+    template <class Rich, class Read, class... Arguments>
+    void visit(const QString &name, Shown shown, const Read &read, const Arguments &...arguments) {
+        if (!given)
+            host::addParameter<Rich>(list, shown, name, arguments...);
+        else if (!mayLack || isGiven(name))
+            read();
+    }
+
+    RichParameterList list;
+    const RichParameterList *given = nullptr;
+    bool mayLack = false;
+};
+
+/// The parameter that names HandleParam::likeLayer. Older scripts may lack it.
+inline constexpr const char *handleLayer = "handle_layer";
+
+#endif
