@@ -64,6 +64,15 @@ void addFalloff(RichParameterList &list, vcg::fcd::Falloff falloff) {
     addParameter<RichEnum>(list, Shown::Advanced, "falloff", int(falloff), text.values, text.label, text.help);
 }
 
+void addElastic(RichParameterList &list, bool elastic) {
+    if (!host::scriptsMayLackParameters)
+        return;
+    const ParameterText text = elasticText();
+    addParameter<RichBool>(list, Shown::Advanced, "elastic", elastic, text.label, text.help);
+}
+
+bool elastic(const RichParameterList &list) { return list.hasParameter("elastic") && list.getBool("elastic"); }
+
 vcg::fcd::Falloff falloff(const RichParameterList &list) {
     return vcg::fcd::Falloff(list.hasParameter("falloff") ? enumValue(list, "falloff", 4) : 0);
 }
@@ -71,6 +80,7 @@ vcg::fcd::Falloff falloff(const RichParameterList &list) {
 void addBending(RichParameterList &list, const vcg::fcd::DeformationParam &deformation, bool all) {
     addSmoothness(list, Shown::Always, deformation.smoothness);
     addFalloff(list, deformation.falloff);
+    addElastic(list, deformation.elastic);
     addParameter<RichInt>(list, Shown::Advanced, "max_iterations", deformation.maxIterations, "Maximum iterations",
                           "The shape is improved until it converges, at most this often. <b>Raise it</b> when the log "
                           "says that it did not converge. A converged result does not change.");
@@ -123,6 +133,7 @@ vcg::fcd::DeformationParam deformationParam(const RichParameterList &list, bool 
     deformation.graph = graphParam(list);
     deformation.smoothness = asTyped(list.getFloat("smoothness"));
     deformation.falloff = falloff(list);
+    deformation.elastic = elastic(list);
     deformation.maxIterations = list.getInt("max_iterations");
     deformation.tolerance = asTyped(list.getFloat("tolerance"));
     using vcg::fcd::GraphWeights;

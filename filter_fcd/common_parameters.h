@@ -26,6 +26,8 @@ void addSmoothness(RichParameterList &list, host::Shown shown, double smoothness
 /// Where scripts may lack it; else it is smooth.
 void addFalloff(RichParameterList &list, vcg::fcd::Falloff falloff);
 vcg::fcd::Falloff falloff(const RichParameterList &list);
+void addElastic(RichParameterList &list, bool elastic);
+bool elastic(const RichParameterList &list);
 /// \param all also what a filter may lack where scripts may not
 void addBending(RichParameterList &list, const vcg::fcd::DeformationParam &deformation, bool all);
 /// All but nodes, and what is measured. \throw vcg::fcd::Error when a value makes no sense

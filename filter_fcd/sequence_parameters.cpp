@@ -58,6 +58,7 @@ RichParameterList toRichParameters(const SequenceParam &param, const MeshDocumen
     addInitialPatches(list, param.deformation.graph.initialPatches);
     addSmoothness(list, Shown::Always, param.deformation.smoothness);
     addFalloff(list, param.deformation.falloff);
+    addElastic(list, param.deformation.elastic);
     addRandomSeed(list, param.deformation.graph.randomSeed);
     RichParameterList handles;
     addHandles(handles, param.handles, document);
@@ -85,6 +86,7 @@ SequenceParam sequenceParam(const RichParameterList &list, const MeshDocument &d
     param.deformation.graph.randomSeed = unsigned(list.getInt("random_seed"));
     param.deformation.smoothness = asTyped(list.getFloat("smoothness"));
     param.deformation.falloff = falloff(list);
+    param.deformation.elastic = elastic(list);
     param.deformation.Validate();
     param.deformation = asHandedOver(param.deformation); // so that what is prepared is that of the other filters
     param.validate();

@@ -120,6 +120,7 @@ PreparedLayers::Key keyOfRanges(const Ranges &surface, const vcg::fcd::Handles &
     bytes.add(param.graph.measure);
     bytes.add(param.graphWeights);
     bytes.add(param.falloff);
+    bytes.add(param.elastic);
     bytes.add(param.weights);
     bytes.add(param.influence);
     bytes.add(param.looseParts);
