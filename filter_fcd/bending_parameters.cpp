@@ -41,11 +41,18 @@ void askFalloff(Fields &fields, vcg::fcd::Falloff &falloff) {
         fields.choice("falloff", falloff, Shown::Advanced, falloffText());
 }
 
+void askElastic(Fields &fields, bool &elastic) {
+    const ParameterText text = elasticText();
+    if (host::scriptsMayLackParameters)
+        fields.field("elastic", elastic, Shown::Advanced, text.label, text.help);
+}
+
 void askBending(Fields &fields, vcg::fcd::DeformationParam &deformation, bool all) {
     using vcg::fcd::GraphWeights;
     using vcg::fcd::PatchMeasure;
     askSmoothness(fields, deformation.smoothness, Shown::Always);
     askFalloff(fields, deformation.falloff);
+    askElastic(fields, deformation.elastic);
     fields.field("max_iterations", deformation.maxIterations, Shown::Advanced, "Maximum iterations",
                  "The shape is improved until it converges, at most this often. <b>Raise it</b> when the log says that "
                  "it did not converge. A converged result does not change.");

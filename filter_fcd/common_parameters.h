@@ -23,8 +23,9 @@ void askRandomSeed(Fields &fields, vcg::fcd::GraphParam &graph);
 
 // How it bends.
 void askSmoothness(Fields &fields, double &smoothness, host::Shown shown = host::Shown::Advanced);
-/// Where scripts may lack it.
+// Where scripts may lack them.
 void askFalloff(Fields &fields, vcg::fcd::Falloff &falloff);
+void askElastic(Fields &fields, bool &elastic);
 /// All but the graph, and what is measured. \param all also what a filter may lack where scripts may not
 void askBending(Fields &fields, vcg::fcd::DeformationParam &deformation, bool all);
 

@@ -158,6 +158,10 @@ std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, const
             " vertices on open borders lie closer to another border than a tenth of their edges, and "
             "nothing joins the two: such a slit may open. To close it, use 'Merge Close Vertices' first" +
             (host::scriptsMayLackParameters ? ", or raise weld_distance." : "."));
+    if (surface.unenclosed > 0)
+        warnings.push_back(count(surface.unenclosed, "part of what bends encloses", "parts of what bends enclose") +
+                           " no volume that 'elastic' could keep, and bends without: a cloud, or a surface that is "
+                           "open where it is free.");
     if (check.overruled > 0)
         warnings.push_back(
             counted(std::size_t(check.overruled), "handle vertex is", "handle vertices are") +

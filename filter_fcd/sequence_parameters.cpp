@@ -40,6 +40,7 @@ void ask(Fields &fields, SequenceParam &param) {
     askInitialPatches(fields, param.deformation.graph);
     askSmoothness(fields, param.deformation.smoothness, Shown::Always);
     askFalloff(fields, param.deformation.falloff);
+    askElastic(fields, param.deformation.elastic);
     askRandomSeed(fields, param.deformation.graph);
     askTags(fields, param.handles);
     if (!fields.areRead())

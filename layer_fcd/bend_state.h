@@ -88,6 +88,7 @@ enum class BendAxes { World, Layer, View, Surface };
 struct BendOptions {
     double smoothness = vcg::fcd::SolverParam().smoothness;
     vcg::fcd::Falloff falloff = vcg::fcd::DeformerParam().falloff;
+    bool elastic = vcg::fcd::DeformerParam().elastic;
     double pose = 100; ///< as BendState::pose
     int initialPatches = vcg::fcd::GraphParam().initialPatches;
     vcg::fcd::MappingWeights weights = vcg::fcd::DeformerParam().weights;
@@ -97,8 +98,8 @@ struct BendOptions {
 
     /// Whether the same marks and motions give the same shape.
     bool givesSameShape(const BendOptions &other) const {
-        return smoothness == other.smoothness && falloff == other.falloff && pose == other.pose &&
-               initialPatches == other.initialPatches && weights == other.weights;
+        return smoothness == other.smoothness && falloff == other.falloff && elastic == other.elastic &&
+               pose == other.pose && initialPatches == other.initialPatches && weights == other.weights;
     }
 };
 

@@ -46,6 +46,8 @@ class BendTextReader : public vcg::fcd::detail::TextReader {
             options.smoothness = number("a smoothness from 0 to 10", 0, 10);
         else if (key == "falloff")
             options.falloff = vcg::fcd::Falloff(whole("0, 1, 2 or 3", 0, 3));
+        else if (key == "elastic")
+            options.elastic = whole("0 or 1", 0, 1) == 1;
         else if (key == "detail")
             options.initialPatches = whole("a number of patches from 0 to 20000", 0, 20000);
         else if (key == "distances")
@@ -246,6 +248,8 @@ std::string bendText(const BendState &state, const BendOptions &options, const s
                        "\n";
     if (options.falloff != vcg::fcd::Falloff::Smooth) // which versions without it read, too
         text += "falloff " + ToText(int(options.falloff)) + "\n";
+    if (options.elastic) // as that
+        text += "elastic 1\n";
     for (const auto &[tag, point] : state.points)
         text += "point " + ToText(tag) + " " + liveNumber(point.slot) + " " + ToText(point.radius) +
                 (point.isGrip ? " grip\n" : "\n");

@@ -14,6 +14,7 @@
 ///     FCD bend 1
 ///     smoothness S            options, as BendOptions has them; enumerations by their numbers
 ///     falloff N               left out where it is smooth
+///     elastic 1               left out where it is not
 ///     detail N
 ///     distances N
 ///     symmetry N

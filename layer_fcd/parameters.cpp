@@ -103,6 +103,13 @@ ParameterText falloffText() {
         "handle goes along, and the bend is far from it."};
 }
 
+ParameterText elasticText() {
+    return {"Elastic (keep volume)",
+            {},
+            "What bends keeps its volume: a limb that is squeezed gets thicker, one that is pulled gets thinner, and a "
+            "bend does not lose any. Each connected part keeps its own. A cloud and an open sheet have none."};
+}
+
 ParameterText weightsText() {
     return {"Distances",
             {"Along the surface", "Euclidean"},

@@ -262,5 +262,6 @@ struct ParameterText {
 /// That of "weights"; its values stand in the order of vcg::fcd::MappingWeights.
 ParameterText weightsText();
 ParameterText falloffText(); ///< of DeformerParam::falloff
+ParameterText elasticText(); ///< of DeformerParam::elastic
 
 #endif

@@ -97,8 +97,8 @@ PreparedLayers::Key keyOfRanges(const Ranges &surface, const vcg::fcd::Handles &
         bytes.add(param.nodes.data()[i]);
     const vcg::fcd::GraphParam &graph = param.graph;
     bytes.add(graph.targetRadius, graph.initialPatches, graph.maxIterations, graph.tolerance, graph.randomSeed,
-              graph.measure, param.graphWeights, param.falloff, param.weights, param.influence, param.looseParts,
-              param.weldDistance);
+              graph.measure, param.graphWeights, param.falloff, param.elastic, param.weights, param.influence,
+              param.looseParts, param.weldDistance);
     return {hashOf(bytes), hashOf(held)};
 }
 

@@ -45,6 +45,8 @@ vcg::fcd::DeformationParam paramOf(const nb::dict &given) {
     param.graphWeights = GraphWeights(whole("graph_weights"));
     if (given.contains("falloff")) // which another mover than handles does not have, nor a pickle of before
         param.falloff = Falloff(whole("falloff"));
+    if (given.contains("elastic")) // as that
+        param.elastic = nb::cast<bool>(given["elastic"]);
     param.weights = MappingWeights(whole("weights"));
     param.looseParts = LooseParts(whole("loose_parts"));
     param.influence = number("influence");

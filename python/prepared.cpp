@@ -244,6 +244,7 @@ nb::dict Prepared::report() const {
     all["joined"] = surface.seams;
     all["gaps"] = surface.gaps;
     all["one_sided"] = surface.oneSided;
+    all["unenclosed"] = surface.unenclosed;
     all["isolated"] = surface.isolated;
     all["non_manifold_edges"] = surface.nonManifoldEdges;
     all["degenerate_faces"] = surface.degenerateFaces;

@@ -458,8 +458,8 @@ def test_marks_of_the_tool_then_tags_of_the_filter(window, tmp_path):
     assert (tmp_path / "cleared.ply").read_bytes() == before
 
 
-def other_shape_of_the_panel(window, tmp_path, name, notches, least, call):
-    """Another choice of the panel, by so many notches of the wheel, gives another shape, which is applied; the log's call has it."""
+def other_shape_of_the_panel(window, tmp_path, name, notches, least, call, button=5):
+    """Another choice of the panel, by so many notches of the wheel or clicks, gives another shape, which is applied; the log's call has it."""
     points, faces = tube(80, 64) # whose jagged marks make a difference
     w = window(write_ply(tmp_path / "tube.ply", points, faces))
     w.start_tool()
@@ -467,7 +467,7 @@ def other_shape_of_the_panel(window, tmp_path, name, notches, least, call):
     w.drag((MIDDLE[0] + 180, MIDDLE[1]), (MIDDLE[0] + 120, MIDDLE[1] - 150))
     usual = load(w.save("usual.ply"))[0]
     w.more()
-    w.do("mousemove", *w.place(name), *["click", 5] * notches)
+    w.do("mousemove", *w.place(name), *["click", button] * notches)
     w.shot(name)
     w.do("mousemove", *MIDDLE)
     other = load(w.save("other.ply"))[0]
@@ -484,6 +484,10 @@ def test_weights_of_the_panel_are_those_of_the_filter(window, tmp_path):
 
 def test_the_falloff_of_the_panel_is_that_of_the_method(window, tmp_path):
     other_shape_of_the_panel(window, tmp_path, "falloff", 2, 0.02, "falloff=2") # sharp
+
+
+def test_the_panel_can_keep_the_volume(window, tmp_path):
+    other_shape_of_the_panel(window, tmp_path, "elastic", 1, 0.003, "elastic=True", button=1)
 
 
 def marked_in(seen, plain):

@@ -23,7 +23,7 @@ DEFORM_DEFAULTS = {
     "handles": 0, "tag_attribute": "fcd_tag", "tag_file": "", "transform_file": "", "transforms": "", "point_handles_file": "",
     "translation": [0, 0, 0], "rotation_axis": [0, 0, 1], "rotation_angle": 0, "rotation_center": 0, "rotation_point": [0, 0, 0],
     "transformmatrix": np.eye(4), "handle_layer": 0, "use_graph_layer": False, "graph_layer": 0, "target_radius": 0, "initial_patches": 0,
-    "random_seed": 1, "smoothness": 0.0058, "falloff": 0, "max_iterations": 1000, "tolerance": 1e-5, "graph_weights": 0, "weights": 0, "influence": 4,
+    "random_seed": 1, "smoothness": 0.0058, "falloff": 0, "elastic": False, "max_iterations": 1000, "tolerance": 1e-5, "graph_weights": 0, "weights": 0, "influence": 4,
     "loose_parts": 0, "weld_distance": 1e-6, "pose": 100, "pose_steps": 1, "graph_layers": True, "deformed_quality": 0, "displacement": False, "stop_at_contact": False}
 OF_LAYERS = {"use_graph_layer", "graph_layer", "graph_layers", "deformed_quality", "displacement", "stop_at_contact"}
 POSE_DEFAULTS = {**{name: value for name, value in DEFORM_DEFAULTS.items() if name not in OF_LAYERS}, "exact_normals": True, "contact": False}
@@ -470,6 +470,21 @@ def test_the_log_says_what_becomes_of_a_handle_that_is_not_in_the_text(capfd, tr
 def test_the_log_says_what_becomes_of_what_is_pressed(capfd, motion, sentence):
     result, log = deform_logged(slender(), capfd, transforms="2: " + motion, pose_steps=4 if "-25" in motion else 1)
     assert sentence in log and (result["jumps"] if "jumps" in sentence else not result["stable"])
+
+
+def test_a_squeezed_limb_gets_thicker_and_the_log_says_where_nothing_can(capfd):
+    thickness = []
+    for elastic in (False, True):
+        ms = slender()
+        _, log = deform_logged(ms, capfd, transforms="2: translate 0 0 -2", elastic=elastic)
+        thickness.append(np.hypot(*ms.current_mesh().vertex_matrix()[:, :2].T).max())
+        assert "that 'elastic' could keep" not in log
+    assert thickness[1] > thickness[0] + 0.05
+    x, y = (a.ravel() for a in np.meshgrid(np.arange(20.0), np.arange(20.0), indexing="ij"))
+    ms = new_set()
+    ms.add_mesh(pymeshlab.Mesh(np.column_stack([x, y, 0 * x]), v_scalar_array=np.where(x < 3, 0.0, np.where(x > 16, 2.0, 1.0))))
+    _, log = deform_logged(ms, capfd, transforms="2: translate 0 0 3", elastic=True)
+    assert "1 part of what bends encloses no volume that 'elastic' could keep" in log
 
 
 def test_the_log_says_where_there_are_too_few_patches(capfd):

@@ -51,6 +51,7 @@ def disc():
 ROWS = {
     "smoothness": (lambda: benchmark("cylinder"), "plain", (0, -1, 0.1), "smoothness", [0.0005, 0.0058, 0.1]),
     "falloff": (disc, "plain", (0.3, -1, 0.35), "falloff", ["Smooth", "Linear", "Sharp", "Constant"]),
+    "elastic": (lambda: benchmark("cylinder")[:3] + ({"transforms": "2: translate 0 0 -3"},), "plain", (0, -1, 0.1), "elastic", [False, True]),
     "patches": (lambda: benchmark("cactus"), "bend", (1, -2, 0.5), "initial_patches", [30, 300, 3000]),
     "influence": (lambda: benchmark("bar"), "bend", (1, -2, 0.5), "influence", [1.2, 4, 8]),
     "weights": (lambda: benchmark("bar"), "plain", (1, -2, 0.5), "graph_weights",

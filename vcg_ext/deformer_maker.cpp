@@ -209,7 +209,7 @@ class DeformerMaker {
             for (Index SurfaceReport::*number :
                  {&SurfaceReport::vertices, &SurfaceReport::welded, &SurfaceReport::isolated,
                   &SurfaceReport::nonManifoldEdges, &SurfaceReport::repeatedFaces, &SurfaceReport::degenerateFaces,
-                  &SurfaceReport::seams, &SurfaceReport::gaps, &SurfaceReport::oneSided})
+                  &SurfaceReport::seams, &SurfaceReport::gaps, &SurfaceReport::oneSided, &SurfaceReport::unenclosed})
                 sum.*number += each.*number;
         }
         sum.gaps = std::max(sum.gaps, gaps); // between regions, too

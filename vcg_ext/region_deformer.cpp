@@ -41,6 +41,10 @@ RegionDeformer::RegionDeformer(ReadRegion read, const DeformerParam &param, std:
     mapping =
         std::make_unique<GraphMapping>(surface.graph, held.tag, patches, graph, weights, param.influence,
                                        param.shape.blendWidth * D, progress.Slice(0.7, 0.95), param.shape, beyond);
+    if (param.elastic) {
+        volume = std::make_unique<const KeptVolume>(read.faces, surface.graph, held.tag, patches);
+        surface.report.unenclosed = volume->Open();
+    }
     ListVertices(nodeOf, progress.Slice(0.95, 1));
     surface.slots = {};
     const auto toMesh = [&](std::uint32_t &slot) { slot = read.slotOf[slot]; };
@@ -119,8 +123,13 @@ RegionPose RegionDeformer::Solve(HeldMotions motions, const SolverParam &solver,
     std::vector<bool> hasMotion(graph.Size());
     for (Index j = 0; j < graph.Size(); ++j)
         hasMotion[j] = given.constrained[j] && !given.compliant[j];
-    if (beyond.linearMaps)
-        FitLinear(graph, hasMotion, pose.graph, param.shape.openness);
+    const auto fit = [&](GraphPose &fitted) {
+        if (beyond.linearMaps)
+            FitLinear(graph, hasMotion, fitted, param.shape.openness);
+    };
+    if (volume)
+        volume->Keep(system->parts, *mapping, pose.motion, fit, pose.graph);
+    fit(pose.graph);
     for (Index j = 0; j < graph.Size(); ++j) {
         const Index t = held.tag[patches.center[j]];
         if (HeldNodes::IsSingle(t) && given.compliant[j]) { // run over into the motion that the surface makes there

@@ -4,6 +4,7 @@
 
 #include <vcg_ext/graph/falloff.h>
 #include <vcg_ext/graph/held_nodes.h>
+#include <vcg_ext/map/kept_volume.h>
 #include <vcg_ext/map/moving_region.h>
 #include <vcg_ext/patches/surface_patches.h>
 #include <vcg_ext/shape_constants.h>
@@ -11,6 +12,7 @@
 #include <vcg_ext/solve/patch_number.h>
 #include <vcg_ext/solve/solver_param.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -36,6 +38,7 @@ struct DeformerParam {
     Eigen::Matrix3Xd nodes; ///< 3 x k, mesh units: centres of patches to use instead of sampling; empty = sample
     GraphWeights graphWeights = GraphWeights::Border;
     Falloff falloff = Falloff::Smooth; ///< of the motions of all handles
+    bool elastic = false;              ///< each region that encloses a volume keeps it (KeptVolume)
     MappingWeights weights = MappingWeights::Surface;
     double influence = 4; ///< node radius over patch radius, > 1
     LooseParts looseParts = LooseParts::Follow;
@@ -68,7 +71,8 @@ struct ReadRegion {
     std::vector<std::uint32_t> slotOf; ///< of each slot that \p surface has, that of the whole mesh; empty: the same
     std::vector<std::size_t> point;    ///< point handles in it, by their slots in the whole mesh
     HeldNodes held;                    ///< of these points
-    std::vector<Index> center;         ///< if not empty: given nodes, as nodes of the surface
+    std::vector<std::array<Index, 3>> faces; ///< where its volume is to be kept: those with a free node, as nodes
+    std::vector<Index> center;               ///< if not empty: given nodes, as nodes of the surface
     bool hasGivenNodes = false;
     std::uint32_t first = 0; ///< as of MovingRegion
     int most = mostPatches;  ///< patches, where their number is not given
@@ -163,6 +167,7 @@ class RegionDeformer : public MovingRegion {
     bool isLimited = false;
     double D = 0, reach = 0; // frame units
     detail::SmallParts small;
+    std::unique_ptr<const KeptVolume> volume; // where it is to be kept
     struct Holding {
         Eigen::Vector3d middle = Eigen::Vector3d::Zero(); // of its nodes, frame units
         int count = 0;                                    // of these

@@ -5,6 +5,7 @@
 #include <vcg_ext/surface/cloud_parts.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <utility>
 
@@ -42,6 +43,20 @@ std::vector<std::pair<std::uint32_t, int>> HeldBeside(const SurfaceGraph &surfac
                     its != 1 && its >= 0 && its != std::max(0, tag[slot]))
                     beside.emplace_back(slot, its);
         });
+}
+
+/// The faces with a free node, as nodes.
+std::vector<std::array<Index, 3>> FacesOf(const SurfaceView &mesh, const SurfaceGraph &surface, const HeldNodes &held) {
+    std::vector<std::array<Index, 3>> faces;
+    for (std::uint32_t f : surface.faces) {
+        std::array<Index, 3> face;
+        for (std::size_t i = 0; i < 3; ++i)
+            face[i] = surface.nodeOf[mesh.corner[3 * std::size_t(f) + i]];
+        if (std::all_of(face.begin(), face.end(), [](Index u) { return u >= 0; }) &&
+            std::any_of(face.begin(), face.end(), [&](Index u) { return held.tag[std::size_t(u)] == 1; }))
+            faces.push_back(face);
+    }
+    return faces;
 }
 
 } // namespace
@@ -161,6 +176,8 @@ void RegionReader::DivideCloud(const RegionSource &source, const SurfaceGraph &s
 ReadRegion RegionReader::RegionOf(const RegionSource &source, SurfaceGraph surface, HeldNodes held) const {
     ReadRegion read;
     read.first = FirstOf(source, surface, held);
+    if (param.elastic)
+        read.faces = FacesOf(source.mesh, surface, held);
     read.slotOf = source.slotOf;
     if (!source.faceOf.empty())
         for (std::uint32_t &f : surface.faces)

@@ -5,7 +5,8 @@
 
 bool PoseSolver::isPrepared(const Tags &tags, const Param &param) const {
     return preparedFor && preparedFor == tags && preparedParam.graph.initialPatches == param.graph.initialPatches &&
-           preparedParam.weights == param.weights && preparedParam.falloff == param.falloff;
+           preparedParam.weights == param.weights && preparedParam.falloff == param.falloff &&
+           preparedParam.elastic == param.elastic;
 }
 
 void PoseSolver::prepare(const Tags &tags, const Param &param, const vcg::fcd::SurfaceView &surface,

@@ -33,6 +33,7 @@ def deform(
     steps: int = 1,
     smoothness: float = 0.0058,
     falloff: Falloff = "smooth",
+    elastic: bool = False,
     patches: int = 0,
     target_radius: float = 0.0,
     seed: int = 1,
@@ -73,6 +74,8 @@ def deform(
         0.001 is loose, 0.1 is stiff.
     falloff : {'smooth', 'linear', 'sharp', 'constant'}, default 'smooth'
         How the motion of a handle fades.
+    elastic : bool, default False
+        What bends keeps its volume.
     patches : int, default 0
         How many patches to begin with; 0: as many as the surface is worth, 100 to 1500.
     target_radius : float, default 0.0
@@ -122,7 +125,7 @@ def deform(
         What is probably not meant: nothing moves, flipped triangles, the shape did not converge.
     """
     return _posed(vertices, faces, tags, transforms, landmarks, percent, steps, progress, points, dict(
-        smoothness=smoothness, falloff=falloff, patches=patches, target_radius=target_radius, seed=seed, nodes=nodes, graph_weights=graph_weights,
+        smoothness=smoothness, falloff=falloff, elastic=elastic, patches=patches, target_radius=target_radius, seed=seed, nodes=nodes, graph_weights=graph_weights,
         distances=renamed_weights(distances, weights, 3), influence=influence, loose_parts=loose_parts, weld_distance=weld_distance,
         max_iterations=max_iterations, tolerance=tolerance, threads=threads))._vertices.given_away()
 
@@ -139,6 +142,7 @@ def deformation(
     steps: int = 1,
     smoothness: float = 0.0058,
     falloff: Falloff = "smooth",
+    elastic: bool = False,
     patches: int = 0,
     target_radius: float = 0.0,
     seed: int = 1,
@@ -180,6 +184,8 @@ def deformation(
         0.001 is loose, 0.1 is stiff.
     falloff : {'smooth', 'linear', 'sharp', 'constant'}, default 'smooth'
         How the motion of a handle fades.
+    elastic : bool, default False
+        What bends keeps its volume.
     patches : int, default 0
         How many patches to begin with; 0: as many as the surface is worth, 100 to 1500.
     target_radius : float, default 0.0
@@ -233,7 +239,7 @@ def deformation(
     """
     told, least = shared(progress), _inputs.accuracy(accuracy)
     pose = _posed(vertices, faces, tags, transforms, landmarks, percent, steps, report(told, 0, 60), points, dict(
-        smoothness=smoothness, falloff=falloff, patches=patches, target_radius=target_radius, seed=seed, nodes=nodes, graph_weights=graph_weights,
+        smoothness=smoothness, falloff=falloff, elastic=elastic, patches=patches, target_radius=target_radius, seed=seed, nodes=nodes, graph_weights=graph_weights,
         distances=renamed_weights(distances, weights, 3), influence=influence, loose_parts=loose_parts, weld_distance=weld_distance,
         max_iterations=max_iterations, tolerance=tolerance, threads=threads))
     return pose._deformation(report(told, 60, 100), 3, least)

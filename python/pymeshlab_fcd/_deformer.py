@@ -21,7 +21,7 @@ from ._meshes import MeshLike
 from ._motion import Motion
 from ._pose import Pose
 from ._progress import Progress, Report, report
-from ._warnings import NodeWarning, ScanLineWarning, SlitWarning, Told, warn
+from ._warnings import NodeWarning, ScanLineWarning, SlitWarning, Told, VolumeWarning, warn
 
 GraphWeights = Literal["border", "uniform", "paper", "printed"]
 Falloff = Literal["smooth", "linear", "sharp", "constant"]
@@ -107,6 +107,8 @@ class SurfaceInfo:
     """Vertices on open borders that are close to another border, and are not joined with it."""
     one_sided: int
     """Points of a cloud that see others along their own line alone."""
+    unenclosed: int
+    """Connected parts that were to keep their volume (`elastic`) and enclose none."""
     isolated: int
     """Vertices without a neighbour."""
     non_manifold_edges: int
@@ -172,6 +174,9 @@ class Deformer(Unchanging):
     falloff : {'smooth', 'linear', 'sharp', 'constant'}, default 'smooth'
         How the motion of a handle fades towards what else is held: `smooth` evenly, `linear` straight, with the bends near both ends, `sharp`
         to a peak at the handle, `constant` with a plateau around the handle and the bend far from it.
+    elastic : bool, default False
+        Each connected part of what is free keeps its volume, to a thousandth: what is squeezed gets thicker, what is pulled thinner. A cloud
+        and an open sheet have none, which a VolumeWarning says.
     patches : int, default 0
         How many patches to begin with; more let the deformation bend in finer detail (k0 of sec. 2.1). 0: as many as the surface is
         worth, whatever its number of vertices: some 300 for most, 100 where little bends, up to 1500 where it is thin, folded or torn.
@@ -234,6 +239,7 @@ class Deformer(Unchanging):
         copy: bool = True,
         smoothness: float = 0.0058,
         falloff: Falloff = "smooth",
+        elastic: bool = False,
         patches: int = 0,
         target_radius: float = 0.0,
         seed: int = 1,
@@ -267,6 +273,7 @@ class Deformer(Unchanging):
             "weld_distance": _inputs.number("weld_distance", weld_distance),
             "smoothness": _inputs.number("smoothness", smoothness),
             "falloff": _inputs.choice("falloff", falloff, ("smooth", "linear", "sharp", "constant")),
+            "elastic": _inputs.flag("elastic", elastic),
             "max_iterations": _inputs.whole("max_iterations", max_iterations, 1),
             "tolerance": _inputs.number("tolerance", tolerance),
             "nodes": None if nodes is None else _inputs.finite("nodes", _inputs.rows("nodes", nodes)),
@@ -442,6 +449,9 @@ class Deformer(Unchanging):
         if 100 * info.one_sided > info.free:
             found.append((ScanLineWarning, f"{info.one_sided} points see others along their own line alone, so that lines hang together only "
                                            "here and there. If this is a surface, thin out the points along the lines first."))
+        if info.unenclosed > 0:
+            found.append((VolumeWarning, f"{info.unenclosed} connected parts of what is free enclose no volume that elastic could keep, and bend "
+                                         "without: a cloud, or a surface that is open where it is free."))
         if info.placed_nodes < nodes:
             found.append((NodeWarning, f"{nodes - info.placed_nodes} of the {nodes} nodes do not lie on the free surface, and are left out."))
         warn(found, 3)

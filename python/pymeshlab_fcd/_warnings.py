@@ -47,6 +47,10 @@ class ScanLineWarning(DeformationWarning):
     """Points of a cloud hang together along their lines alone."""
 
 
+class VolumeWarning(DeformationWarning):
+    """What is to keep its volume encloses none."""
+
+
 class NodeWarning(DeformationWarning):
     """Given nodes do not lie on the free surface."""
 

@@ -145,6 +145,22 @@ def test_what_is_held_is_exact_and_the_rest_follows(bent):
     assert same(pymeshlab_fcd.deform(vertices, faces, tags, {2: lift}), pose.vertices)
 
 
+def test_what_is_elastic_keeps_its_volume():
+    vertices, faces, tags, closed = finger(m=40)
+
+    def volume(at):
+        ends = [(at[:40], 1), (at[-40:], -1)]
+        caps = [np.stack([np.roll(ring, -way, 0), ring, np.broadcast_to(ring.mean(0), ring.shape)], 1) for ring, way in ends]
+        return np.linalg.det(np.concatenate([at[faces], *caps])).sum() / 6
+
+    plain, kept = Deformer(vertices, faces, tags), Deformer(vertices, faces, tags, elastic=True)
+    for motion in (closed(60), {2: Motion.translate([5, 0, 0])}):
+        before, after = (each.pose(motion).vertices for each in (plain, kept))
+        assert abs(volume(before) / volume(vertices) - 1) > 0.02 and abs(volume(after) / volume(vertices) - 1) < 0.002
+        assert np.array_equal(after[tags != 1], before[tags != 1])
+    assert kept.info.unenclosed == 0
+
+
 @pytest.mark.parametrize("as_given", [
     lambda v, f, t: (v.astype(">f8"), f.astype(">i4"), t.astype(">i2")), lambda v, f, t: (np.asfortranarray(v), np.asfortranarray(f), t.astype(float)),
     lambda v, f, t: (np.repeat(v, 2, 0)[::2], f.astype(np.uint64), np.repeat(t, 3)[::3]), lambda v, f, t: (v.tolist(), f.tolist(), t.tolist()),
@@ -475,6 +491,8 @@ def test_what_is_probably_not_meant_is_told():
     y, x = (a.ravel() for a in np.meshgrid(np.arange(8.0), np.arange(1401) / 200, indexing="ij"))
     with pytest.warns(fcd.ScanLineWarning, match="see others along their own line alone"):
         Deformer(np.column_stack([x, y, 0 * x]), None, np.where(x < 1, 0, np.where(x > 6, 2, 1)))
+    with pytest.warns(fcd.VolumeWarning, match="1 connected parts of what is free enclose no volume that elastic could keep"):
+        assert Deformer(vertices, None, tags, elastic=True).info.unenclosed == 1
     with pytest.warns(fcd.SlitWarning, match="such a slit may open"):
         x, y = np.meshgrid(np.linspace(0, 1, 21), np.linspace(0, 1, 21), indexing="ij")
         sheet = np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], 1)

@@ -144,6 +144,7 @@ CASES = {
     "nodes: NaN": (dict(nodes=[[np.nan, 0, 0]]), ValueError, "nodes must be finite"),
     "graph_weights: a number": (dict(graph_weights=0), TypeError, "graph_weights must be one of 'border'"),
     "falloff: typo": (dict(falloff="steep"), ValueError, "falloff must be one of 'smooth', 'linear', 'sharp', 'constant'; it is 'steep'"),
+    "elastic: a word": (dict(elastic="yes"), TypeError, "elastic must be True or False"),
     "distances: typo": (dict(distances="surfaces"), ValueError, "distances must be one of 'surface', 'euclidean'; it is 'surfaces'"),
     "influence: 1": (dict(influence=1), ValueError, "above 1"),
     "loose_parts: None": (dict(loose_parts=None), TypeError, "loose_parts must be one of"),

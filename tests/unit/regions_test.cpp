@@ -109,6 +109,7 @@ TEST(Regions, AResultIsTheUnionOfTheirResults) {
     int compared = 0;
     for (unsigned seed = 1; seed <= (sanitized ? 4 : 12); ++seed) {
         param.falloff = Falloff((seed - 1) % 4);
+        param.elastic = seed % 3 == 0;
         for (const Shape &shape : {Sphere(40, 40), Unwelded(Sphere(30, 30)), Tube(24, 60)})
             if (const Tagged each(shape, seed); each.HasWork())
                 compared += ExpectUnion(each, param);

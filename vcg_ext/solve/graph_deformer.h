@@ -88,6 +88,20 @@ class GraphDeformer {
         return pose;
     }
 
+    /// How \p force (3 x k) moves the free nodes, smoothly, but for its size. 0 for those that are given.
+    Eigen::Matrix3Xd Spread(const Eigen::Matrix3Xd &force) const {
+        Eigen::Matrix3Xd way = Eigen::Matrix3Xd::Zero(3, force.cols());
+        Eigen::MatrixXd known(Eigen::Index(unknown.position.size()), 3);
+        for (std::size_t u = 0; u < unknown.position.size(); ++u)
+            known.row(Eigen::Index(u)) = force.col(unknown.position[u]).transpose();
+        if (known.size() == 0)
+            return way;
+        const Eigen::MatrixXd moved = laplacian.Spread(known);
+        for (std::size_t u = 0; u < unknown.position.size(); ++u)
+            way.col(unknown.position[u]) = moved.row(Eigen::Index(u)).transpose();
+        return way;
+    }
+
   private:
     using State = detail::GraphEnergy::State;
     using PoseTerms = detail::GraphEnergy::PoseTerms;

@@ -135,6 +135,10 @@ class GraphLaplacian {
         return biharmonic.solve(-(biharmonicRows * (constrainedColumns * given)));
     }
 
+    /// What \p force (n rows) moves the unknown positions by, of a surface that the bi-Laplacian makes stiff: it begins
+    /// smoothly at what is held.
+    Eigen::MatrixXd Spread(const Eigen::MatrixXd &force) const { return biharmonic.solve(force); }
+
   private:
     static constexpr const char *stage = "Deforming the graph";
 

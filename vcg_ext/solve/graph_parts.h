@@ -38,6 +38,9 @@ class PartsDeformer {
     GraphPose Solve(const NodeConstraints &given, const SolverParam &param, const Progress &progress = {},
                     const GraphPose *last = nullptr, const std::vector<Eigen::Affine3d> &lastMotion = {}) const;
 
+    /// As GraphDeformer::Spread, of each part by itself.
+    Eigen::Matrix3Xd Spread(const Eigen::Matrix3Xd &force) const;
+
   private:
     struct Part;
     Eigen::Matrix3Xd rest; // 3 x k

@@ -32,6 +32,7 @@ struct SurfaceReport {
     Index oneSided = 0;         ///< points of a cloud that see others along a line alone, as in lines far apart
     Index together = 0;         ///< regions, the smallest, that share a graph, as there are so many (SurfaceRegions)
     Index limited = 0;          ///< regions that have fewer patches than they are worth, as there are so many
+    Index unenclosed = 0;       ///< parts that were to keep their volume (DeformerParam::elastic) and enclose none
     bool pointCloud = false;    ///< no faces, no edges: neighbours are the nearest points on all sides
 };
 

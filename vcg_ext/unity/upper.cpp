@@ -4,6 +4,7 @@
 #include <vcg_ext/map/carrier.cpp>             // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/map/deformation_check.cpp>   // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/map/graph_mapping.cpp>       // NOLINT(bugprone-suspicious-include)
+#include <vcg_ext/map/kept_volume.cpp>         // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/map/mapping_kernel.cpp>      // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/map/moving_region.cpp>       // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/field/deformation_field.cpp> // NOLINT(bugprone-suspicious-include)

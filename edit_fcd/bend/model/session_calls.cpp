@@ -21,6 +21,8 @@ std::string withShape(ScriptCall call, const BendOptions &options) {
     if (options.smoothness != usual.smoothness)
         call.with("smoothness", asTyped(options.smoothness));
     call.with("falloff", int(options.falloff), int(usual.falloff));
+    if (options.elastic)
+        call.with("elastic", true);
     return call.with("initial_patches", options.initialPatches, usual.initialPatches).end();
 }
 

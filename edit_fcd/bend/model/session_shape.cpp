@@ -13,6 +13,7 @@ vcg::fcd::DeformationParam deformationOf(const BendOptions &options) {
     vcg::fcd::DeformationParam param;
     param.smoothness = options.smoothness;
     param.falloff = options.falloff;
+    param.elastic = options.elastic;
     param.pose = options.pose;
     param.graph.initialPatches = options.initialPatches;
     param.weights = options.weights;

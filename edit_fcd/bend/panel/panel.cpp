@@ -182,7 +182,7 @@ void BendPanel::addMarking(QWidget &place) {
 
 void BendPanel::connectOptions() {
     for (QWidget *widget : std::initializer_list<QWidget *>{role, mirrorAxis, axesChoice, falloffChoice, weightsChoice,
-                                                            through, stretch, graphs, poseSlider})
+                                                            through, elastic, stretch, graphs, poseSlider})
         widget->setFocusPolicy(Qt::NoFocus); // keys stay with the view
     connectSlider(
         *poseSlider, [this] { emit poseBegins(); },
@@ -194,7 +194,8 @@ void BendPanel::connectOptions() {
     connect(patchCount, &QSpinBox::editingFinished, this, &BendPanel::optionsChanged);
     for (const QComboBox *choice : {mirrorAxis, axesChoice, falloffChoice, weightsChoice})
         connect(choice, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &BendPanel::optionsChanged);
-    connect(stretch, &QCheckBox::toggled, this, &BendPanel::optionsChanged);
+    for (const QCheckBox *box : {elastic, stretch})
+        connect(box, &QCheckBox::toggled, this, &BendPanel::optionsChanged);
     connect(role, QOverload<int>::of(&QComboBox::activated), this, &BendPanel::roleChanged);
     connect(number, QOverload<int>::of(&QSpinBox::valueChanged), this, &BendPanel::roleChanged);
     connect(through, &QCheckBox::clicked, this, &BendPanel::roleChanged);
@@ -276,6 +277,7 @@ void BendPanel::setShape(const BendOptions &options) {
     const QSignalBlocker blocked(this);
     smoothnessValue->setValue(options.smoothness);
     falloffChoice->setCurrentIndex(int(options.falloff));
+    elastic->setChecked(options.elastic);
     patchCount->setValue(options.initialPatches);
     weightsChoice->setCurrentIndex(int(options.weights));
     mirrorAxis->setCurrentIndex(options.mirror + 1);

@@ -60,6 +60,7 @@ class BendPanel : public QDockWidget {
     void keepSizes() const; ///< for the next panel, also of another day
     double smoothness() const { return smoothnessValue->value(); }
     vcg::fcd::Falloff falloff() const { return vcg::fcd::Falloff(falloffChoice->currentIndex()); }
+    bool isElastic() const { return elastic->isChecked(); }
     int patches() const { return patchCount->value(); }
     vcg::fcd::MappingWeights weights() const { return vcg::fcd::MappingWeights(weightsChoice->currentIndex()); }
     int mirror() const { return mirrorAxis->currentIndex() - 1; } ///< -1: none
@@ -86,7 +87,7 @@ class BendPanel : public QDockWidget {
     BendLineBox &line() { return *lineBox; }
 
   signals:
-    void optionsChanged(); ///< mode, pose, smoothness, falloff, patches, weights, mirror, axes, stretch
+    void optionsChanged(); ///< mode, pose, smoothness, falloff, elastic, patches, weights, mirror, axes, stretch
     void poseBegins();     ///< before the pose changes, once for each way of the slider
     void modeChosen();
     void left();        ///< by Esc, in one of its fields
@@ -110,7 +111,7 @@ class BendPanel : public QDockWidget {
     QComboBox *role, *mirrorAxis, *falloffChoice, *weightsChoice, *axesChoice;
     QSpinBox *number, *brushPixels, *patchCount;
     QDoubleSpinBox *radiusPercent, *smoothnessValue;
-    QCheckBox *through, *stretch, *graphs;
+    QCheckBox *through, *elastic, *stretch, *graphs;
     QSlider *poseSlider;
     QPlainTextEdit *motionText;
     PanelState *state;

@@ -127,6 +127,11 @@ void BendPanel::addMore(QBoxLayout &column) {
     smoothnessValue->setValue(0.0058);
     form->addRow("Smoothness", smoothnessValue);
     falloffChoice = addChoice(*form, "falloff", falloffText());
+    const ParameterText words = elasticText();
+    elastic = new QCheckBox(words.label);
+    elastic->setObjectName("elastic");
+    elastic->setToolTip(words.help);
+    form->addRow(elastic);
     patchCount = new CountBox;
     patchCount->setObjectName("patches");
     patchCount->setToolTip("How many patches the surface is divided into: more bend in more places, and take longer. "

@@ -56,6 +56,7 @@ void BendTool::takeOptions() {
     BendOptions &options = session->edit().options;
     options.smoothness = panel->smoothness();
     options.falloff = panel->falloff();
+    options.elastic = panel->isElastic();
     options.initialPatches = panel->patches();
     options.weights = panel->weights();
     options.mirror = panel->mirror();

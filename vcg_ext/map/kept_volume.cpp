@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/map/kept_volume.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace vcg::fcd {
+
+namespace {
+
+using Face = KeptVolume::Face;
+
+/// Places of a patch: as many as are mapped at a time.
+constexpr std::size_t mostPlaces = detail::lanes;
+
+/// Caps over loops with free nodes, over the area of the faces. Of a tube as long as it is wide, one of whose ends is
+/// open, they are a quarter; of a hemisphere a half, of a sheet all.
+constexpr double mostOpen = 0.25;
+
+/// How far off a volume may stay, as a fraction of it: a thousandth is not seen. Bends take one step to that, a pull or
+/// squeeze by a third two.
+constexpr double volumeError = 1e-3;
+constexpr int mostSteps = 3;
+
+Eigen::Vector3d AreaOf(const Eigen::Vector3d &a, const Eigen::Vector3d &b, const Eigen::Vector3d &c) {
+    return 0.5 * (b - a).cross(c - a);
+}
+
+/// The edges that bound faces, the other way round than the faces have them, each as often.
+std::vector<Face> BoundOf(const std::vector<Face> &faces) {
+    struct Edge {
+        Index from, to, way; // from < to; way -1 where the face has it from `to`
+        bool operator<(const Edge &o) const { return from != o.from ? from < o.from : to < o.to; }
+    };
+    std::vector<Edge> edges;
+    for (const Face &f : faces)
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Index a = f[i], b = f[(i + 1) % 3];
+            edges.push_back({std::min(a, b), std::max(a, b), a < b ? 1 : -1});
+        }
+    std::sort(edges.begin(), edges.end());
+    std::vector<Face> bound;
+    for (std::size_t first = 0, next; first < edges.size(); first = next) {
+        Index net = 0;
+        for (next = first; next < edges.size() && !(edges[first] < edges[next]); ++next)
+            net += edges[next].way;
+        const Face cap =
+            net > 0 ? Face{edges[first].to, edges[first].from, -1} : Face{edges[first].from, edges[first].to, -1};
+        bound.insert(bound.end(), std::size_t(std::abs(net)), cap);
+    }
+    return bound;
+}
+
+/// The volume within faces and caps.
+/// \param at 3 x places \param change if given: 3 x places, what the volume grows by as each moves is added
+double VolumeOf(const std::vector<Face> &faces, const std::vector<std::vector<Face>> &caps, const Eigen::Matrix3Xd &at,
+                Eigen::Matrix3Xd *change = nullptr) {
+    const Eigen::Vector3d middle = at.col(faces.front()[0]); // near it, for less rounding
+    const auto from = [&](Index p) { return Eigen::Vector3d(at.col(p) - middle); };
+    double six = 0;
+    for (const Face &f : faces) {
+        const Eigen::Vector3d a = from(f[0]), b = from(f[1]), c = from(f[2]), normal = b.cross(c);
+        six += a.dot(normal);
+        if (change) {
+            change->col(f[0]) += normal / 6;
+            change->col(f[1]) += c.cross(a) / 6;
+            change->col(f[2]) += a.cross(b) / 6;
+        }
+    }
+    for (const std::vector<Face> &cap : caps) {
+        Eigen::Vector3d top = Eigen::Vector3d::Zero(), normals = Eigen::Vector3d::Zero();
+        for (const Face &f : cap) {
+            top += from(f[0]) / double(cap.size());
+            normals += from(f[0]).cross(from(f[1]));
+        }
+        six += top.dot(normals);
+        if (change)
+            for (const Face &f : cap) {
+                change->col(f[0]) += (from(f[1]).cross(top) + normals / double(cap.size())) / 6;
+                change->col(f[1]) += top.cross(from(f[0])) / 6;
+            }
+    }
+    return six / 6;
+}
+
+} // namespace
+
+KeptVolume::KeptVolume(const std::vector<Face> &faces, const Graph &surface, const std::vector<Index> &tag,
+                       const Patches &patches) {
+    if (faces.empty()) {
+        open = 1;
+        return;
+    }
+    const std::vector<Index> placeOf = FindPlaces(surface, tag, patches);
+    const auto isFree = [&](Index p) { return place[std::size_t(p)].tag == 1; };
+    std::vector<Face> all; // of places
+    DisjointSets joined(Index(place.size()));
+    for (std::size_t p = 1; p < place.size(); ++p)
+        if (isFree(Index(p)) && isFree(Index(p - 1)) && place[p].patch == place[p - 1].patch)
+            joined.Join(Index(p - 1), Index(p));
+    for (const Face &each : faces) {
+        const Face f{placeOf[std::size_t(each[0])], placeOf[std::size_t(each[1])], placeOf[std::size_t(each[2])]};
+        if (*std::min_element(f.begin(), f.end()) < 0 || f[0] == f[1] || f[1] == f[2] || f[2] == f[0])
+            continue;
+        all.push_back(f);
+        for (std::size_t i = 0; i < 3; ++i)
+            if (isFree(f[i]) && isFree(f[(i + 1) % 3]))
+                joined.Join(f[i], f[(i + 1) % 3]);
+    }
+    std::map<Index, Body> found; // by the first of its free places
+    for (std::size_t p = 0; p < place.size(); ++p)
+        if (isFree(Index(p)))
+            found[joined.Root(Index(p))];
+    for (const Face &f : all)
+        found[joined.Root(*std::find_if(f.begin(), f.end(), isFree))].face.push_back(f);
+    Eigen::Matrix3Xd rest(3, Eigen::Index(place.size()));
+    for (std::size_t p = 0; p < place.size(); ++p)
+        rest.col(Eigen::Index(p)) = place[p].rest;
+    std::map<Index, Index> number;
+    for (auto &[first, body] : found) {
+        if (!Close(body)) {
+            ++open;
+            continue;
+        }
+        body.rest = VolumeOf(body.face, body.caps, rest);
+        number[first] = Index(bodies.size());
+        bodies.push_back(std::move(body));
+    }
+    bodyOf.assign(std::size_t(patches.Size()), -1);
+    for (std::size_t p = 0; p < place.size(); ++p)
+        if (isFree(Index(p)))
+            if (const auto its = number.find(joined.Root(Index(p))); its != number.end())
+                bodyOf[std::size_t(place[p].patch)] = its->second;
+}
+
+std::vector<Index> KeptVolume::FindPlaces(const Graph &surface, const std::vector<Index> &tag, const Patches &patches) {
+    std::vector<std::vector<Index>> nodes(std::size_t(patches.Size())); // of each patch, in Morton order
+    for (Index u = 0; u < surface.Size(); ++u)
+        if (patches.patchOf[std::size_t(u)] >= 0)
+            nodes[std::size_t(patches.patchOf[std::size_t(u)])].push_back(u);
+    std::vector<Index> placeOf(std::size_t(surface.Size()), -1);
+    for (std::size_t j = 0; j < nodes.size(); ++j) {
+        std::vector<Index> &its = nodes[j];
+        const auto add = [&](std::size_t first, std::size_t end) {
+            const Index u = its[(first + end) / 2];
+            for (std::size_t i = first; i < end; ++i)
+                placeOf[std::size_t(its[i])] = Index(place.size());
+            place.push_back({u, Index(j), tag[std::size_t(u)], surface.position.col(u).cast<double>()});
+        };
+        // Those of a small held part in the patch stand for themselves.
+        const auto others = std::stable_partition(its.begin(), its.end(),
+                                                  [&](Index u) { return tag[std::size_t(u)] == patches.tag[j]; });
+        const auto own = std::size_t(others - its.begin());
+        const std::size_t count = std::min(own, mostPlaces);
+        for (std::size_t s = 0; s < count; ++s)
+            add(own * s / count, own * (s + 1) / count);
+        for (std::size_t i = own; i < its.size(); ++i)
+            add(i, i + 1);
+    }
+    return placeOf;
+}
+
+bool KeptVolume::Close(Body &body) const {
+    const auto at = [&](Index p) -> const Eigen::Vector3d & { return place[std::size_t(p)].rest; };
+    double area = 0, openArea = 0;
+    for (const Face &f : body.face)
+        area += AreaOf(at(f[0]), at(f[1]), at(f[2])).norm();
+    const std::vector<Face> bound = BoundOf(body.face);
+    std::map<Index, Index> number; // of the places on it
+    for (const Face &f : bound)
+        number.emplace(f[0], Index(number.size()));
+    DisjointSets loops(Index(number.size())); // each edge's end is another's begin
+    for (const Face &f : bound)
+        loops.Join(number.at(f[0]), number.at(f[1]));
+    std::map<Index, std::vector<Face>> ofLoop;
+    for (const Face &f : bound)
+        ofLoop[loops.Root(number.at(f[0]))].push_back(f);
+    for (auto &[first, loop] : ofLoop) {
+        Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+        for (const Face &f : loop)
+            middle += at(f[0]) / double(loop.size());
+        for (const Face &f : loop)
+            if (place[std::size_t(f[0])].tag == 1 || place[std::size_t(f[1])].tag == 1)
+                openArea += AreaOf(at(f[0]), at(f[1]), middle).norm();
+        body.caps.push_back(std::move(loop));
+    }
+    return area > 0 && openArea <= mostOpen * area;
+}
+
+void KeptVolume::Map(const GraphMapping::Posed &mapped, Eigen::Matrix3Xd &at) const {
+    GraphMapping::Posed::Scratch scratch;
+    Index node[detail::lanes];
+    for (std::size_t first = 0, next; first < place.size(); first = next) {
+        const Place &its = place[first];
+        next = first + 1;
+        if (its.tag != 1) {
+            at.col(Eigen::Index(first)) = mapped(its.node, its.rest);
+            continue;
+        }
+        while (next < place.size() && place[next].tag == 1 && place[next].patch == its.patch)
+            ++next;
+        for (std::size_t p = first; p < next; ++p) {
+            node[p - first] = place[p].node;
+            scratch.vertices.SetRest(int(p - first), place[p].rest);
+        }
+        mapped.Map(node, int(next - first), false, scratch);
+        for (std::size_t p = first; p < next; ++p)
+            at.col(Eigen::Index(p)) = scratch.vertices.Moved(int(p - first));
+    }
+}
+
+void KeptVolume::Keep(const PartsDeformer &parts, const GraphMapping &mapping,
+                      const std::map<Index, Eigen::Affine3d> &motion, const std::function<void(GraphPose &)> &fit,
+                      GraphPose &pose) const {
+    struct Growth {
+        double volume = 0, step = 0;
+        double told = 0;     // by the last step, as the nodes tell it
+        double followed = 1; // how much of that the surface did: beside what is held, it follows that instead
+    };
+    if (bodies.empty())
+        return;
+    std::vector<Growth> growth(bodies.size());
+    Eigen::Matrix3Xd at(3, Eigen::Index(place.size())), change;
+    for (int step = 0; step < mostSteps; ++step) {
+        GraphPose fitted = pose;
+        fit(fitted);
+        Map(GraphMapping::Posed(mapping, fitted, motion, {}, 1), at);
+        change.setZero(3, at.cols());
+        std::vector<char> isOff(bodies.size());
+        for (std::size_t b = 0; b < bodies.size(); ++b) {
+            Growth &its = growth[b];
+            const double volume = VolumeOf(bodies[b].face, bodies[b].caps, at, &change);
+            if (step > 0 && its.told != 0)
+                its.followed = std::max(0.5, (volume - its.volume) / its.told);
+            its.volume = volume;
+            isOff[b] = std::abs(volume - bodies[b].rest) > volumeError * std::abs(bodies[b].rest);
+        }
+        if (std::find(isOff.begin(), isOff.end(), char(1)) == isOff.end())
+            return;
+        Eigen::Matrix3Xd force = Eigen::Matrix3Xd::Zero(3, pose.position.cols());
+        for (std::size_t p = 0; p < place.size(); ++p)
+            if (place[p].tag == 1)
+                force.col(place[p].patch) += change.col(Eigen::Index(p));
+        const Eigen::Matrix3Xd way = parts.Spread(force);
+        std::vector<double> most(bodies.size(), 0); // by the whole way
+        for (Eigen::Index j = 0; j < way.cols(); ++j)
+            if (const Index b = bodyOf[std::size_t(j)]; b >= 0)
+                most[std::size_t(b)] += force.col(j).dot(way.col(j));
+        for (std::size_t b = 0; b < bodies.size(); ++b) {
+            Growth &its = growth[b];
+            const double share = (bodies[b].rest - its.volume) / (most[b] * its.followed);
+            its.step = isOff[b] && std::isfinite(share) ? share : 0;
+            its.told = its.step * most[b];
+        }
+        for (Eigen::Index j = 0; j < way.cols(); ++j)
+            if (const Index b = bodyOf[std::size_t(j)]; b >= 0)
+                pose.position.col(j) += growth[std::size_t(b)].step * way.col(j);
+    }
+}
+
+} // namespace vcg::fcd
