@@ -159,9 +159,10 @@ std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, const
             "nothing joins the two: such a slit may open. To close it, use 'Merge Close Vertices' first" +
             (host::scriptsMayLackParameters ? ", or raise weld_distance." : "."));
     if (surface.unenclosed > 0)
-        warnings.push_back(count(surface.unenclosed, "part of what bends encloses", "parts of what bends enclose") +
-                           " no volume that 'elastic' could keep, and bends without: a cloud, or a surface that is "
-                           "open where it is free.");
+        warnings.push_back(
+            counted(std::size_t(surface.unenclosed), "part of what bends encloses", "parts of what bends enclose") +
+            " no volume that 'elastic' could keep: a cloud, or a surface that is open where it is free. It bends as "
+            "without 'elastic'.");
     if (check.overruled > 0)
         warnings.push_back(
             counted(std::size_t(check.overruled), "handle vertex is", "handle vertices are") +

@@ -450,8 +450,8 @@ class Deformer(Unchanging):
             found.append((ScanLineWarning, f"{info.one_sided} points see others along their own line alone, so that lines hang together only "
                                            "here and there. If this is a surface, thin out the points along the lines first."))
         if info.unenclosed > 0:
-            found.append((VolumeWarning, f"{info.unenclosed} connected parts of what is free enclose no volume that elastic could keep, and bend "
-                                         "without: a cloud, or a surface that is open where it is free."))
+            found.append((VolumeWarning, f"{info.unenclosed} connected parts of what is free enclose no volume that elastic could keep: a cloud, or a "
+                                         "surface that is open where it is free. They bend as without it."))
         if info.placed_nodes < nodes:
             found.append((NodeWarning, f"{nodes - info.placed_nodes} of the {nodes} nodes do not lie on the free surface, and are left out."))
         warn(found, 3)
