@@ -95,10 +95,7 @@ PreparedLayers::Key keyOfRanges(const Ranges &surface, const vcg::fcd::Handles &
         bytes.add(handles.world.linear()(i / 3, i % 3));
     for (Eigen::Index i = 0; i < param.nodes.size(); ++i)
         bytes.add(param.nodes.data()[i]);
-    const vcg::fcd::GraphParam &graph = param.graph;
-    bytes.add(graph.targetRadius, graph.initialPatches, graph.maxIterations, graph.tolerance, graph.randomSeed,
-              graph.measure, param.graphWeights, param.falloff, param.elastic, param.weights, param.influence,
-              param.looseParts, param.weldDistance);
+    std::apply([&](const auto &...number) { bytes.add(number...); }, param.Numbers());
     return {hashOf(bytes), hashOf(held)};
 }
 

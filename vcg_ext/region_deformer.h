@@ -19,6 +19,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <tuple>
 #include <vector>
 
 namespace vcg::fcd {
@@ -45,6 +46,13 @@ struct DeformerParam {
     bool bendsUnheld = false; ///< components as large as a patch bend though nothing holds them, as data may move them
     double weldDistance = defaultWeldDistance; ///< of vertices on open borders, as BuildSurfaceGraph takes it
     ShapeConstants shape;
+
+    /// All numbers by which the same surface, nodes and constants are prepared alike, or not.
+    auto Numbers() const {
+        return std::make_tuple(graph.targetRadius, graph.initialPatches, graph.maxIterations, graph.tolerance,
+                               graph.randomSeed, graph.measure, graphWeights, falloff, elastic, weights, influence,
+                               looseParts, bendsUnheld, weldDistance);
+    }
 
     /// Whether the free surface is one region, connected or not. Data and lines move all of it; and in the paper's
     /// method, nodes influence vertices across gaps.

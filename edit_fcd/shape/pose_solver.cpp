@@ -4,9 +4,7 @@
 #include <algorithm>
 
 bool PoseSolver::isPrepared(const Tags &tags, const Param &param) const {
-    return preparedFor && preparedFor == tags && preparedParam.graph.initialPatches == param.graph.initialPatches &&
-           preparedParam.weights == param.weights && preparedParam.falloff == param.falloff &&
-           preparedParam.elastic == param.elastic;
+    return preparedFor && preparedFor == tags && preparedParam.Numbers() == param.Numbers();
 }
 
 void PoseSolver::prepare(const Tags &tags, const Param &param, const vcg::fcd::SurfaceView &surface,

@@ -22,7 +22,7 @@ class PoseSolver {
     PoseSolver(const PoseSolver &) = delete;
     PoseSolver &operator=(const PoseSolver &) = delete;
 
-    /// Whether it is prepared for tags, these very ones, with this number of patches and these weights.
+    /// Whether it is prepared for tags, these very ones, and by the same numbers.
     bool isPrepared(const Tags &tags, const Param &param) const;
     /// \param surface of the layer at rest \param world its matrix \throw vcg::fcd::Error \throw vcg::fcd::Cancelled
     void prepare(const Tags &tags, const Param &param, const vcg::fcd::SurfaceView &surface,
