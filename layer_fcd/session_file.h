@@ -33,7 +33,7 @@
 ///       "fit"                its options: {"stiffness", "start", "largest_distance", "weights", "target_weights": as
 ///                            FitOptions has them, enumerations by their numbers; "target": name of the layer that
 ///                            it is fitted to, "curves": file with such, each or ""; "painted": weights of the
-///                            vertices, where "weights" goes by them}
+///                            vertices, where the layer has them}
 ///
 /// Arrays are typed arrays (RFC 8746), little-endian.
 

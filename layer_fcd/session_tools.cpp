@@ -64,8 +64,7 @@ QCborMap mapOf(const FitToolState &fit, const MeshModel &layer, const LiveVertic
                  {QString("target_weights"), int(fit.options.targetWeights)},
                  {QString("target"), QString::fromStdString(fit.target)},
                  {QString("curves"), QString::fromStdString(fit.curves)}};
-    const bool isPainted = fit.options.weights == FitMeshParam::WeightsAttribute;
-    if (const std::vector<float> weights = isPainted ? paintedWeights(layer) : std::vector<float>(); !weights.empty())
+    if (const std::vector<float> weights = paintedWeights(layer); !weights.empty())
         map.insert(QString("painted"),
                    live.array<double>(1, [&](std::size_t i, auto *to) { *to = double(weights[i]); }));
     return map;

@@ -15,7 +15,7 @@ ToolState toolOf(const Reader &from, bool hasRest, const MeshModel &layer, const
 
 /// The pairs of FCD: Fit; an end at a deleted vertex is left out.
 QCborArray arrayOf(const std::vector<FitPair> &pairs, const LiveVertices &live);
-/// And the rest of what that tool was told, with the weights that are painted on the layer where it goes by them.
+/// And the rest of what that tool was told, with the weights that are painted on the layer.
 QCborMap mapOf(const FitToolState &fit, const MeshModel &layer, const LiveVertices &live);
 /// Both, read; null where the session has neither. \throw vcg::fcd::Error what is wrong with the file
 std::shared_ptr<const FitToolState> fitOf(const Reader &from, const LiveVertices &live);

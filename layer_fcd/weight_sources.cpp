@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/centroidal_deformation.h> // before Qt
 
+#include "layer_labels.h"
 #include "weight_sources.h"
+
+#include <algorithm>
 
 using vcg::fcd::Error;
 
@@ -25,7 +28,7 @@ std::function<double(std::size_t)> attributeNumbers(const MeshModel &layer, cons
         throw Error("The vertex attribute '" + name.toStdString() +
                     "' does not hold one number per vertex. Use a scalar attribute (float, double or int).");
     }
-    throw Error("This layer has no vertex attribute '" + name.toStdString() +
+    throw Error("The layer " + inQuotes(layer) + " has no vertex attribute '" + name.toStdString() +
                 "'. Add a scalar attribute of that name " + use + "." +
                 (others.empty() ? " It has no attributes at all." : others + "."));
 }
@@ -52,9 +55,15 @@ std::vector<float> readWeights(const MeshModel &layer, FitMeshParam::Weights sou
 }
 
 std::vector<float> paintedWeights(const MeshModel &layer) {
-    if (!vcg::tri::HasPerVertexAttribute(layer.cm, FitMeshParam::paintedAttribute))
+    std::vector<float> weights;
+    try {
+        weights = readWeights(layer, FitMeshParam::WeightsAttribute, FitMeshParam::paintedAttribute);
+    } catch (const Error &) { // it has none, or something else of that name
         return {};
-    return readWeights(layer, FitMeshParam::WeightsAttribute, FitMeshParam::paintedAttribute);
+    }
+    const bool arePainted =
+        std::all_of(weights.begin(), weights.end(), [](float weight) { return weight >= 0 && weight <= 1; });
+    return arePainted ? weights : std::vector<float>();
 }
 
 void paintWeights(MeshModel &layer, const std::vector<float> &weights) {

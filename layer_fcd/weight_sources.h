@@ -17,8 +17,7 @@ std::function<double(std::size_t)> attributeNumbers(const MeshModel &layer, cons
 
 /// How much each vertex of \p layer counts in a fit, by slot; empty: all counts. \throw vcg::fcd::Error
 std::vector<float> readWeights(const MeshModel &layer, FitMeshParam::Weights source, const QString &attribute);
-/// Those that were painted on \p layer, as paintWeights wrote them; empty: none. \throw vcg::fcd::Error its attribute
-/// of that name holds something else
+/// Those that were painted on \p layer, as paintWeights wrote them, each from 0 to 1; empty: none.
 std::vector<float> paintedWeights(const MeshModel &layer);
 /// They are its attribute FitMeshParam::paintedAttribute from now on. \param weights one per vertex slot; empty: the
 /// layer has none

@@ -434,3 +434,21 @@ def test_what_is_painted_goes_along(tmp_path, capfd):
         file.write_bytes(with_part(data, "fit", {**fit, "painted": np.where(weights > 0.5, wrong, weights)}))
         refused(again, "painted is out of range", session_file=str(file))
     assert np.array_equal(again.current_mesh().vertex_custom_scalar_attribute_array("fcd_weight"), weights)
+
+
+@pytest.mark.parametrize("weights", [lambda n: np.linspace(0, 1.0001, n), lambda n: np.full(n, np.nan), lambda n: np.zeros((n, 3))])
+def test_what_no_brush_has_painted_stays_out_of_sessions(tmp_path, capfd, weights):
+    """Numbers of that name that are no weights, or no numbers: the rest of the session is saved, and loads."""
+    ms, _, _ = posed()
+    file = tmp_path / "s.fcd"
+    ms.apply_filter(SAVE, session_file=str(file))
+    file.write_bytes(with_part(file.read_bytes(), "fit", {**FIT, "target": "", "target_weights": 0, "weights": 3}))
+    ms.apply_filter(LOAD, session_file=str(file))
+    mesh, values = ms.current_mesh(), weights(ms.current_mesh().vertex_number())
+    (mesh.add_vertex_custom_scalar_attribute if values.ndim == 1 else mesh.add_vertex_custom_point_attribute)(values, "fcd_weight")
+    ms.apply_filter(SAVE, session_file=str(file))
+    assert b"painted" not in contents(file.read_bytes())
+    ms.set_verbosity(True)
+    capfd.readouterr()
+    ms.apply_filter(LOAD, session_file=str(file))
+    assert "nothing is painted on this layer" in capfd.readouterr().err

@@ -44,7 +44,9 @@ FitWeights FitSession::weightsOf(const MeshModel &of) const {
 
 void FitSession::beginStroke(MeshModel &on) {
     FitMeshParam::Weights &source = &on == &layer ? now.options.weights : now.options.targetWeights;
-    FitWeights before = paintedWeights(on);
+    const bool isThere = vcg::tri::HasPerVertexAttribute(on.cm, FitMeshParam::paintedAttribute);
+    FitWeights before =
+        isThere ? readWeights(on, FitMeshParam::WeightsAttribute, FitMeshParam::paintedAttribute) : FitWeights();
     FitWeights weights = source == FitMeshParam::WeightsAttribute ? before : weightsOf(on);
     weights.resize(on.cm.vert.size(), 1);
     for (float &each : weights)
