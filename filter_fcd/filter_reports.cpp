@@ -163,6 +163,11 @@ std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, const
             counted(std::size_t(surface.unenclosed), "part of what bends encloses", "parts of what bends enclose") +
             " no volume that 'elastic' could keep: a cloud, or a surface that is open where it is free. It bends as "
             "without 'elastic'.");
+    if (check.volumeOff > check.volumeIsSeen)
+        warnings.push_back("The volume of what bends is off by " +
+                           std::to_string(int(std::lround(100 * check.volumeOff))) +
+                           " percent: 'elastic' makes a limb at most twice or half as thick. Move the handles less, or "
+                           "leave more of the surface free.");
     if (check.overruled > 0)
         warnings.push_back(
             counted(std::size_t(check.overruled), "handle vertex is", "handle vertices are") +

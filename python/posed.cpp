@@ -171,6 +171,7 @@ nb::dict Posed::check(const Rows &vertices, const nb::object &report) const {
     all["strained"] = found.strained;
     all["longest"] = found.longest;
     all["folded"] = found.flipped;
+    all["volume_off"] = found.volumeOff > found.volumeIsSeen ? found.volumeOff : 0;
     return all;
 }
 

@@ -480,6 +480,8 @@ def test_a_squeezed_limb_gets_thicker_and_the_log_says_where_nothing_can(capfd):
         thickness.append(np.hypot(*ms.current_mesh().vertex_matrix()[:, :2].T).max())
         assert "that 'elastic' could keep" not in log
     assert thickness[1] > thickness[0] + 0.05
+    _, log = deform_logged(slender(), capfd, transforms="2: translate 0 0 80", elastic=True)
+    assert "The volume of what bends is off by" in log
     x, y = (a.ravel() for a in np.meshgrid(np.arange(20.0), np.arange(20.0), indexing="ij"))
     ms = new_set()
     ms.add_mesh(pymeshlab.Mesh(np.column_stack([x, y, 0 * x]), v_scalar_array=np.where(x < 3, 0.0, np.where(x > 16, 2.0, 1.0))))

@@ -161,6 +161,7 @@ DeformationCheck CheckPose(const SurfaceView &mesh, const Handles &handles, cons
         const MovingRegion &region = *deformer.regions[r];
         const RegionPose &its = pose.region[r];
         check.rigid = check.rigid && detail::MovesAsOne(region.held.tag, its.given.motion);
+        check.volumeOff = std::max(check.volumeOff, its.volumeOff);
         std::vector<Eigen::Matrix3d> turns = its.graph.linear; // of the surface in each patch
         for (Index j = 0; j < region.graph.Size(); ++j)
             if (region.graph.IsHeld(j))

@@ -128,7 +128,7 @@ RegionPose RegionDeformer::Solve(HeldMotions motions, const SolverParam &solver,
             FitLinear(graph, hasMotion, fitted, param.shape.openness);
     };
     if (volume)
-        volume->Keep(system->parts, *mapping, pose.motion, fit, pose.graph);
+        pose.volumeOff = volume->Keep(graph, system->parts, *mapping, pose.motion, fit, pose.graph);
     fit(pose.graph);
     for (Index j = 0; j < graph.Size(); ++j) {
         const Index t = held.tag[patches.center[j]];

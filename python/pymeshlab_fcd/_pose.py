@@ -18,7 +18,7 @@ from ._inputs import Points
 from ._kept import Kept, Unchanging
 from ._progress import Progress, Report, report
 from ._warnings import (AccuracyWarning, FoldWarning, NotAtRestWarning, NothingMovesWarning, OverruledWarning, RigidWarning, StretchWarning,
-                        Told, triangles_turned, warn)
+                        Told, VolumeWarning, triangles_turned, warn)
 
 if TYPE_CHECKING:
     from ._deformer import Deformer
@@ -389,6 +389,9 @@ def _describe(found: dict[str, Any]) -> list[Told]:
                      f"{count(found['strained'], 'edge leads', 'edges lead')} straight from one held region to another that moves otherwise, "
                      "and stretched or shrunk to less than half or more than twice the length (the longest: "
                      f"{found['longest']:g} times). Leave free vertices between them."))
+    if found["volume_off"]:
+        told.append((VolumeWarning, f"The volume of what bends is off by {100 * found['volume_off']:.0f} percent: elastic makes a limb at most "
+                                    "twice or half as thick. Move the handles less, or leave more of the surface free."))
     if found["folded"]:
         told.append((FoldWarning, f"{triangles_turned(found['folded'])}: the surface is squeezed or twisted too much there. Move the handles "
                                   "less, or leave more free surface between them."))

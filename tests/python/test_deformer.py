@@ -159,6 +159,8 @@ def test_what_is_elastic_keeps_its_volume():
         assert abs(volume(before) / volume(vertices) - 1) > 0.02 and abs(volume(after) / volume(vertices) - 1) < 0.002
         assert np.array_equal(after[tags != 1], before[tags != 1])
     assert kept.info.unenclosed == 0
+    with pytest.warns(fcd.VolumeWarning, match="The volume of what bends is off by [0-9]+ percent"):
+        kept.pose({2: Motion.translate([60, 0, 0])}).info
 
 
 @pytest.mark.parametrize("as_given", [

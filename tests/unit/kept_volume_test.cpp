@@ -164,3 +164,98 @@ TEST(KeptVolume, TheSameBitsForAnyNumberOfThreadsAndAnyMeshOrientation) {
         std::swap(face[0], face[1]);
     EXPECT_LT((one.position - Deformed(tube, handles, true).position).cwiseAbs().maxCoeff(), 1e-3);
 }
+
+TEST(KeptVolume, TheTwoSidesOfASheetEncloseNone) {
+    Shape sheet = Grid(40, 20);
+    for (Vector3d &p : sheet.position)
+        p[2] = std::sin(0.3 * p[0]) * std::cos(0.4 * p[1]);
+    const std::size_t faces = sheet.face.size();
+    for (std::size_t f = 0; f < faces; ++f)
+        sheet.face.push_back({sheet.face[f][0], sheet.face[f][2], sheet.face[f][1]});
+    Handles handles;
+    handles.tag = TagsOf(sheet, [](const Vector3d &p) { return p[0] < 5 ? 0 : p[0] > 34 ? 2 : 1; });
+    handles.motion[2] = Motion(Eigen::Affine3d(Eigen::Translation3d(-3, 0, 8)).matrix());
+    const DeformationResult kept = Deformed(sheet, handles, true);
+    EXPECT_TRUE(SameBits(kept.position, Deformed(sheet, handles, false).position));
+    EXPECT_EQ(kept.surface.unenclosed, 1);
+}
+
+TEST(KeptVolume, WhatOnlyGoesAlongIsAsItWas) {
+    // An arm beside a trunk that is squeezed, at right angles.
+    const Shape trunk = Tube(hoops, sides, tubeLength);
+    Shape both = trunk;
+    const int rows = 40, around = 12, first = int(both.position.size());
+    const double radius = 0.4;
+    const auto angle = [&](int i) { return 2 * EIGEN_PI * i / around; };
+    // Its root is a hole of the trunk, whose rim is as many vertices.
+    const int hoop = 28, side = 0;
+    std::vector<int> rim;
+    for (int i = 0; i < 4; ++i)
+        rim.push_back((hoop + i) * sides + side);
+    for (int i = 0; i < 3; ++i)
+        rim.push_back((hoop + 3) * sides + side + 1 + i);
+    for (int i = 2; i >= 0; --i)
+        rim.push_back((hoop + i) * sides + side + 3);
+    for (int i = 2; i > 0; --i)
+        rim.push_back(hoop * sides + side + i);
+    ASSERT_EQ(int(rim.size()), around);
+    const auto isInside = [&](int v) {
+        const int h = v / sides, s = v % sides;
+        return v < hoops * sides && h >= hoop && h <= hoop + 3 && s >= side && s <= side + 3;
+    };
+    both.face.erase(std::remove_if(both.face.begin(), both.face.end(),
+                                   [&](const auto &f) { return isInside(f[0]) && isInside(f[1]) && isInside(f[2]); }),
+                    both.face.end());
+    Vector3d middle = Vector3d::Zero();
+    for (const int v : rim)
+        middle += both.position[std::size_t(v)] / around;
+    const Vector3d out = Vector3d(middle[0], middle[1], 0).normalized(), up = Vector3d::UnitZ(), across = up.cross(out);
+    std::vector<int> last = rim;
+    const double begin = std::atan2(across.dot(both.position[std::size_t(rim[0])] - middle),
+                                    (both.position[std::size_t(rim[0])] - middle)[2]),
+                 second = std::atan2(across.dot(both.position[std::size_t(rim[1])] - middle),
+                                     (both.position[std::size_t(rim[1])] - middle)[2]);
+    const double turn = std::remainder(second - begin, 2 * EIGEN_PI) > 0 ? 1 : -1;
+    for (int row = 1; row <= rows; ++row) {
+        std::vector<int> next;
+        for (int i = 0; i < around; ++i) {
+            next.push_back(int(both.position.size()));
+            const double a = begin + turn * angle(i);
+            both.position.push_back(middle + 0.12 * row * out + radius * (std::cos(a) * up + std::sin(a) * across));
+        }
+        for (int i = 0; i < around; ++i) {
+            const int j = (i + 1) % around;
+            for (const auto &f : {std::array<int, 3>{last[std::size_t(i)], next[std::size_t(i)], next[std::size_t(j)]},
+                                  {last[std::size_t(i)], next[std::size_t(j)], last[std::size_t(j)]}})
+                both.face.push_back({f[0], f[1], f[2]});
+        }
+        last = next;
+    }
+    Handles handles = EndsOf(trunk, Along(-1.8));
+    handles.tag.resize(both.position.size(), 1);
+    const DeformationResult plain = Deformed(both, handles, false), kept = Deformed(both, handles, true);
+    EXPECT_EQ(kept.surface.unenclosed, 0);
+    EXPECT_LT(kept.check.volumeOff, 0.002);
+    double trunkMoved = 0, lengthOff = 0;
+    for (Eigen::Index i = 0; i < first; ++i)
+        trunkMoved = std::max(trunkMoved, (kept.position.col(i) - plain.position.col(i)).norm());
+    const auto tip = Eigen::Index(both.position.size()) - 1, root = Eigen::Index(first) + 5 * around;
+    const auto along = [&](const DeformationResult &result) {
+        return Vector3d(result.position.col(tip) - result.position.col(root));
+    };
+    lengthOff = (along(kept) - along(plain)).norm();
+    EXPECT_GT(trunkMoved, 0.1);
+    EXPECT_LT(lengthOff, 0.02 * along(plain).norm()) << "it swings, or gets longer";
+}
+
+TEST(KeptVolume, WhereItWouldHaveToGoTooFarItSaysSo) {
+    const Shape tube = Tube(hoops, sides, tubeLength);
+    const Handles handles = EndsOf(tube, Along(40));
+    const DeformationResult plain = Deformed(tube, handles, false), kept = Deformed(tube, handles, true);
+    const double volume = VolumeOf(tube, RestOf(tube));
+    EXPECT_EQ(plain.check.volumeOff, 0);
+    EXPECT_GT(kept.check.volumeOff, 0.05);
+    EXPECT_LT(VolumeOf(tube, kept.position), 0.6 * VolumeOf(tube, plain.position));
+    EXPECT_GT(VolumeOf(tube, kept.position), volume);
+    EXPECT_LT((kept.position - plain.position).colwise().norm().maxCoeff(), 0.6) << "radii: half of one";
+}

@@ -11,12 +11,15 @@ namespace vcg::fcd {
 
 /// What in a deformation is probably not meant.
 struct DeformationCheck {
+    static constexpr double volumeIsSeen = 0.01; ///< a share of a volume that is worth a word
+
     bool rigid = false; ///< all that is held makes one and the same motion, hence the surface does
     Index overruled =
         0; ///< handle vertices at the place of one that is fixed, or of a smaller tag, and held as that one
-    Index strained = 0; ///< edges that join regions held apart and get twice or half as long, or worse
-    double longest = 1; ///< the largest ratio of the length of such an edge to that at rest
-    Index flipped = 0;  ///< triangles whose normals point to the other side
+    Index strained = 0;   ///< edges that join regions held apart and get twice or half as long, or worse
+    double longest = 1;   ///< the largest ratio of the length of such an edge to that at rest
+    Index flipped = 0;    ///< triangles whose normals point to the other side
+    double volumeOff = 0; ///< share of its volume that a part is off which was to keep it, the largest
 };
 
 namespace detail {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/elementary.h>
 #include <vcg_ext/map/kept_volume.h>
 
 #include <algorithm>
@@ -19,10 +20,19 @@ constexpr std::size_t mostPlaces = detail::lanes;
 /// open, they are a quarter; of a hemisphere a half, of a sheet all.
 constexpr double mostOpen = 0.25;
 
-/// How far off a volume may stay, as a fraction of it: a thousandth is not seen. Bends take one step to that, a pull or
-/// squeeze by a third two.
+/// The least volume that is one, over that of a cube of the same area: of a plate, a thousandth of its width for its
+/// thickness. The two sides of a sheet enclose only rounding.
+constexpr double leastVolume = 1e-3;
+
+/// How far off a volume may stay, as a fraction of it: a thousandth is not seen.
 constexpr double volumeError = 1e-3;
 constexpr int mostSteps = 3;
+
+/// How far a surface may go outwards and inwards, over its volume by its area: that is half the radius of a limb.
+constexpr double mostOut = 2, mostIn = 1;
+
+/// How often strain, which differs from patch to patch, is evened out over neighbours, and then the way of each node.
+constexpr int evenedStrain = 8, evenedWay = 2;
 
 Eigen::Vector3d AreaOf(const Eigen::Vector3d &a, const Eigen::Vector3d &b, const Eigen::Vector3d &c) {
     return 0.5 * (b - a).cross(c - a);
@@ -120,11 +130,13 @@ KeptVolume::KeptVolume(const std::vector<Face> &faces, const Graph &surface, con
         rest.col(Eigen::Index(p)) = place[p].rest;
     std::map<Index, Index> number;
     for (auto &[first, body] : found) {
-        if (!Close(body)) {
+        const bool isClosed = Close(body);
+        body.rest = body.face.empty() ? 0 : VolumeOf(body.face, body.caps, rest);
+        const double side = std::sqrt(body.area / 6); // of the cube
+        if (!isClosed || !(std::abs(body.rest) > leastVolume * side * side * side)) {
             ++open;
             continue;
         }
-        body.rest = VolumeOf(body.face, body.caps, rest);
         number[first] = Index(bodies.size());
         bodies.push_back(std::move(body));
     }
@@ -164,9 +176,9 @@ std::vector<Index> KeptVolume::FindPlaces(const Graph &surface, const std::vecto
 
 bool KeptVolume::Close(Body &body) const {
     const auto at = [&](Index p) -> const Eigen::Vector3d & { return place[std::size_t(p)].rest; };
-    double area = 0, openArea = 0;
+    double openArea = 0;
     for (const Face &f : body.face)
-        area += AreaOf(at(f[0]), at(f[1]), at(f[2])).norm();
+        body.area += AreaOf(at(f[0]), at(f[1]), at(f[2])).norm();
     const std::vector<Face> bound = BoundOf(body.face);
     std::map<Index, Index> number; // of the places on it
     for (const Face &f : bound)
@@ -186,7 +198,7 @@ bool KeptVolume::Close(Body &body) const {
                 openArea += AreaOf(at(f[0]), at(f[1]), middle).norm();
         body.caps.push_back(std::move(loop));
     }
-    return area > 0 && openArea <= mostOpen * area;
+    return body.area > 0 && openArea <= mostOpen * body.area;
 }
 
 void KeptVolume::Map(const GraphMapping::Posed &mapped, Eigen::Matrix3Xd &at) const {
@@ -211,53 +223,128 @@ void KeptVolume::Map(const GraphMapping::Posed &mapped, Eigen::Matrix3Xd &at) co
     }
 }
 
-void KeptVolume::Keep(const PartsDeformer &parts, const GraphMapping &mapping,
-                      const std::map<Index, Eigen::Affine3d> &motion, const std::function<void(GraphPose &)> &fit,
-                      GraphPose &pose) const {
+/// The columns, each half way to the mean of its neighbours in its part, so often.
+Eigen::MatrixXd KeptVolume::Evened(const DeformationGraph &graph, Eigen::MatrixXd column, int times) const {
+    for (; times > 0; --times) {
+        const Eigen::MatrixXd before = column;
+        for (Index j = 0; j < graph.Size(); ++j) {
+            Eigen::VectorXd sum = Eigen::VectorXd::Zero(column.rows());
+            double all = 0;
+            for (std::uint32_t e = graph.graph.adjacency.begin[std::size_t(j)];
+                 e < graph.graph.adjacency.begin[std::size_t(j) + 1]; ++e)
+                if (const Index i = graph.graph.adjacency.item[e]; bodyOf[std::size_t(i)] == bodyOf[std::size_t(j)]) {
+                    sum += double(graph.weight[e]) * before.col(i);
+                    all += double(graph.weight[e]);
+                }
+            if (bodyOf[std::size_t(j)] >= 0 && all > 0)
+                column.col(j) = 0.5 * (before.col(j) + sum / all);
+        }
+    }
+    return column;
+}
+
+Eigen::Matrix3Xd KeptVolume::Bulge(const DeformationGraph &graph, const PartsDeformer &parts, const GraphPose &pose,
+                                   const Eigen::Matrix3Xd &push) const {
+    const Index k = graph.Size();
+    // As an even pressure moves a plate: it begins smoothly at what is held.
+    Eigen::Matrix3Xd pressure = Eigen::Matrix3Xd::Zero(3, k);
+    // Of a node's edges, by how much they are longer or shorter than at rest, root mean square.
+    Eigen::MatrixXd strain = Eigen::MatrixXd::Zero(1, k);
+    Eigen::Matrix3Xd out = Eigen::Matrix3Xd::Zero(3, k);
+    for (Index j = 0; j < k; ++j) {
+        const double size = push.col(j).norm();
+        if (bodyOf[std::size_t(j)] < 0 || !(size > 0))
+            continue;
+        pressure(0, j) = size;
+        out.col(j) = push.col(j) / size;
+        double off = 0, all = 0;
+        for (std::uint32_t e = graph.graph.adjacency.begin[std::size_t(j)];
+             e < graph.graph.adjacency.begin[std::size_t(j) + 1]; ++e) {
+            const Index i = graph.graph.adjacency.item[e];
+            const double length = double((graph.graph.position.col(i) - graph.graph.position.col(j)).norm()),
+                         now = (pose.position.col(i) - pose.position.col(j)).norm();
+            off += double(graph.weight[e]) * detail::Squared(now - length);
+            all += double(graph.weight[e]) * detail::Squared(length);
+        }
+        strain(0, j) = all > 0 ? std::sqrt(off / all) : 0;
+    }
+    strain = Evened(graph, strain, evenedStrain);
+    // Along a free limb a plate would go ever farther: what is strained says what is far.
+    const Eigen::RowVectorXd plate = parts.Spread(pressure).row(0).cwiseMax(0);
+    const double far = plate.dot(strain.row(0)) / std::max(strain.sum(), 1e-300);
+    const Eigen::RowVectorXd much = strain.row(0).array() * plate.array() / (plate.array() + std::max(far, 1e-300));
+    return Evened(graph, out * much.asDiagonal(), evenedWay);
+}
+
+double KeptVolume::Keep(const DeformationGraph &graph, const PartsDeformer &parts, const GraphMapping &mapping,
+                        const std::map<Index, Eigen::Affine3d> &motion, const std::function<void(GraphPose &)> &fit,
+                        GraphPose &pose) const {
     struct Growth {
-        double volume = 0, step = 0;
-        double told = 0;     // by the last step, as the nodes tell it
-        double followed = 1; // how much of that the surface did: beside what is held, it follows that instead
+        double step = 0, volume = 0;           // the last: how far along the way, and the volume there
+        double best = 0, off = 0;              // the step that leaves least, and what it leaves
+        double slope = 0, least = 0, most = 0; // of the volume by the step; how far it may go
     };
     if (bodies.empty())
-        return;
+        return 0;
     std::vector<Growth> growth(bodies.size());
-    Eigen::Matrix3Xd at(3, Eigen::Index(place.size())), change;
-    for (int step = 0; step < mostSteps; ++step) {
+    Eigen::Matrix3Xd at(3, Eigen::Index(place.size())), change, way;
+    const Eigen::Matrix3Xd before = pose.position;
+    const auto go = [&](double Growth::*step) {
+        for (Eigen::Index j = 0; j < way.cols(); ++j)
+            if (const Index b = bodyOf[std::size_t(j)]; b >= 0)
+                pose.position.col(j) = before.col(j) + growth[std::size_t(b)].*step * way.col(j);
+    };
+    double off = 0; // what is left, the largest share of a volume
+    for (int step = 0; step <= mostSteps; ++step) {
         GraphPose fitted = pose;
         fit(fitted);
         Map(GraphMapping::Posed(mapping, fitted, motion, {}, 1), at);
         change.setZero(3, at.cols());
-        std::vector<char> isOff(bodies.size());
+        off = 0;
         for (std::size_t b = 0; b < bodies.size(); ++b) {
             Growth &its = growth[b];
-            const double volume = VolumeOf(bodies[b].face, bodies[b].caps, at, &change);
-            if (step > 0 && its.told != 0)
-                its.followed = std::max(0.5, (volume - its.volume) / its.told);
-            its.volume = volume;
-            isOff[b] = std::abs(volume - bodies[b].rest) > volumeError * std::abs(bodies[b].rest);
+            const double volume = VolumeOf(bodies[b].face, bodies[b].caps, at, step == 0 ? &change : nullptr),
+                         left = std::abs(volume - bodies[b].rest);
+            if (step > 0 && its.step != its.best)
+                its.slope = (volume - its.volume) / (its.step - its.best);
+            if (step == 0 || left < its.off) {
+                its.best = its.step;
+                its.off = left;
+                its.volume = volume;
+            }
+            off = std::max(off, its.off / std::abs(bodies[b].rest));
         }
-        if (std::find(isOff.begin(), isOff.end(), char(1)) == isOff.end())
-            return;
-        Eigen::Matrix3Xd force = Eigen::Matrix3Xd::Zero(3, pose.position.cols());
-        for (std::size_t p = 0; p < place.size(); ++p)
-            if (place[p].tag == 1)
-                force.col(place[p].patch) += change.col(Eigen::Index(p));
-        const Eigen::Matrix3Xd way = parts.Spread(force);
-        std::vector<double> most(bodies.size(), 0); // by the whole way
-        for (Eigen::Index j = 0; j < way.cols(); ++j)
-            if (const Index b = bodyOf[std::size_t(j)]; b >= 0)
-                most[std::size_t(b)] += force.col(j).dot(way.col(j));
+        if (off <= volumeError || step == mostSteps)
+            break;
+        if (step == 0) {
+            Eigen::Matrix3Xd push = Eigen::Matrix3Xd::Zero(3, pose.position.cols());
+            for (std::size_t p = 0; p < place.size(); ++p)
+                if (place[p].tag == 1)
+                    push.col(place[p].patch) += change.col(Eigen::Index(p));
+            way = Bulge(graph, parts, pose, push);
+            std::vector<double> farthest(bodies.size(), 0);
+            for (Eigen::Index j = 0; j < way.cols(); ++j)
+                if (const Index b = bodyOf[std::size_t(j)]; b >= 0) {
+                    growth[std::size_t(b)].slope += push.col(j).dot(way.col(j));
+                    farthest[std::size_t(b)] = std::max(farthest[std::size_t(b)], way.col(j).norm());
+                }
+            for (std::size_t b = 0; b < bodies.size(); ++b) {
+                const double unit = bodies[b].rest / bodies[b].area / std::max(farthest[b], 1e-300); // < 0: inside out
+                growth[b].least = std::min(-mostIn * unit, mostOut * unit);
+                growth[b].most = std::max(-mostIn * unit, mostOut * unit);
+            }
+        }
         for (std::size_t b = 0; b < bodies.size(); ++b) {
             Growth &its = growth[b];
-            const double share = (bodies[b].rest - its.volume) / (most[b] * its.followed);
-            its.step = isOff[b] && std::isfinite(share) ? share : 0;
-            its.told = its.step * most[b];
+            const double next = its.best + (bodies[b].rest - its.volume) / its.slope;
+            const bool isNext = its.off > volumeError * std::abs(bodies[b].rest) && std::isfinite(next);
+            its.step = isNext ? std::clamp(next, its.least, its.most) : its.best;
         }
-        for (Eigen::Index j = 0; j < way.cols(); ++j)
-            if (const Index b = bodyOf[std::size_t(j)]; b >= 0)
-                pose.position.col(j) += growth[std::size_t(b)].step * way.col(j);
+        go(&Growth::step);
     }
+    if (way.size() > 0)
+        go(&Growth::best);
+    return off;
 }
 
 } // namespace vcg::fcd

@@ -34,12 +34,16 @@ class KeptVolume {
     /// quarter of the area, as over an open sheet.
     Index Open() const { return open; }
 
-    /// Moves the free nodes of \p pose until each part's volume is that at rest, within a thousandth: as an even
-    /// pressure from within moves a plate, so that it fades smoothly towards what is held.
+    /// Moves the free nodes of \p pose along the surface's normal until each part's volume is that at rest, within a
+    /// thousandth: out of what is strained, as an even pressure moves a plate there, so that it fades towards what is
+    /// held, and what goes along unstrained is as it was. Where that is too far, or does not help, it goes as far as it
+    /// helps.
     /// \param parts of the graph \param mapping of the surface \param motion of each held tag, in the frame
-    /// \param fit makes of a pose what is mapped \param pose with rotations
-    void Keep(const PartsDeformer &parts, const GraphMapping &mapping, const std::map<Index, Eigen::Affine3d> &motion,
-              const std::function<void(GraphPose &)> &fit, GraphPose &pose) const;
+    /// \param fit makes of a pose what is mapped \param pose with rotations \return the share of its volume that a
+    /// part is off in the end, the largest
+    double Keep(const DeformationGraph &graph, const PartsDeformer &parts, const GraphMapping &mapping,
+                const std::map<Index, Eigen::Affine3d> &motion, const std::function<void(GraphPose &)> &fit,
+                GraphPose &pose) const;
 
   private:
     struct Place {
@@ -50,13 +54,17 @@ class KeptVolume {
     struct Body {
         std::vector<Face> face;              // of places
         std::vector<std::vector<Face>> caps; // of each loop: two places, and -1 for its middle
-        double rest = 0;                     // its volume
+        double area = 0, rest = 0;           // of the faces; its volume
     };
 
     /// Chooses places. \return that of each node, -1 for none
     std::vector<Index> FindPlaces(const Graph &surface, const std::vector<Index> &tag, const Patches &patches);
     /// Caps a body. \return whether it encloses a volume then
     bool Close(Body &body) const;
+    Eigen::MatrixXd Evened(const DeformationGraph &graph, Eigen::MatrixXd column, int times) const;
+    /// Which way nodes go for more volume; but for its size. \param push 3 x k, by what each node moves the volume
+    Eigen::Matrix3Xd Bulge(const DeformationGraph &graph, const PartsDeformer &parts, const GraphPose &pose,
+                           const Eigen::Matrix3Xd &push) const;
     /// \param at 3 x places, deformed
     void Map(const GraphMapping::Posed &mapped, Eigen::Matrix3Xd &at) const;
 

@@ -35,6 +35,7 @@ struct RegionPose {
     std::map<Index, Eigen::Affine3d> motion;
     int iterations = 0; ///< of the solver, with those of the poses on the way
     PoseWay way;
+    double volumeOff = 0; ///< share of its volume that a part is off which was to keep it, the largest
 
     bool Moves() const { return given.Moves() || solved.moves; }
 };
