@@ -445,6 +445,8 @@ def test_what_no_brush_has_painted_stays_out_of_sessions(tmp_path, capfd, weight
     file.write_bytes(with_part(file.read_bytes(), "fit", {**FIT, "target": "", "target_weights": 0, "weights": 3}))
     ms.apply_filter(LOAD, session_file=str(file))
     mesh, values = ms.current_mesh(), weights(ms.current_mesh().vertex_number())
+    if values.ndim > 1 and not hasattr(ms, "mesh_number"):
+        pytest.skip("pymeshlab 2022.2 ends when one adds such an attribute")
     (mesh.add_vertex_custom_scalar_attribute if values.ndim == 1 else mesh.add_vertex_custom_point_attribute)(values, "fcd_weight")
     ms.apply_filter(SAVE, session_file=str(file))
     assert b"painted" not in contents(file.read_bytes())
