@@ -97,7 +97,7 @@ void FitPanel::addLayers(QBoxLayout &column) {
 void FitPanel::addPairs(QBoxLayout &column) {
     list = new FitPairList;
     list->setObjectName("pairs");
-    list->setFixedHeight(96); // three pairs; so all of the panel fits 768 pixels
+    list->setFixedHeight(88); // three pairs; so all of the panel fits 768 pixels
     column.addWidget(list);
     auto *row = new QHBoxLayout;
     row->setSpacing(3);
@@ -209,12 +209,10 @@ void FitPanel::addShape(QBoxLayout &column) {
     distance->setToolTip("Colours this layer, once it is pulled, by how far it is from the target; grey has no "
                          "counterpart there");
     connect(distance, &QCheckBox::toggled, this, &FitPanel::distanceToggled);
+    column.addWidget(distance);
     legend = new QLabel;
     legend->setObjectName("legend");
-    auto *shown = new QHBoxLayout;
-    shown->addWidget(distance);
-    shown->addWidget(legend, 1);
-    column.addLayout(shown);
+    column.addWidget(legend);
 }
 
 void FitPanel::addCommands(QBoxLayout &column) {
