@@ -42,9 +42,8 @@ void askFalloff(Fields &fields, vcg::fcd::Falloff &falloff) {
 }
 
 void askElastic(Fields &fields, bool &elastic) {
-    const ParameterText text = elasticText();
     if (host::scriptsMayLackParameters)
-        fields.field("elastic", elastic, Shown::Advanced, text.label, text.help);
+        fields.field("elastic", elastic, Shown::Advanced, elasticText());
 }
 
 void askBending(Fields &fields, vcg::fcd::DeformationParam &deformation, bool all) {

@@ -56,6 +56,10 @@ void drawOutline(const Camera &seen, const std::vector<Eigen::Vector2d> &polygon
     glMatrixMode(GL_MODELVIEW);
 }
 
+int brushAfter(int pixels, double steps) {
+    return int(std::lround(pixels * std::pow(1.15, steps) + (steps > 0 ? 0.5 : -0.5)));
+}
+
 void drawBrush(const Camera &seen, const Eigen::Vector2d &place, double radius) {
     std::vector<Eigen::Vector2d> circle(40, place);
     for (std::size_t i = 0; i < circle.size(); ++i)

@@ -22,9 +22,9 @@ class SeenPart {
     using IsIn = std::function<bool(const Eigen::Vector2d &)>;
 
     /// All of these must outlive it. \param depth as depthOf gives it; empty: what is hidden is as good
-    /// \param hair a place that is so far behind what is seen is seen as well, world units
-    SeenPart(const Camera &seen, const IsIn &isIn, const std::vector<float> &depth, double hair)
-        : seen(seen), isIn(isIn), depth(depth), hair(hair) {}
+    /// \param diagonal of the layer, world units: a place a hair of it behind what is seen is seen as well
+    SeenPart(const Camera &seen, const IsIn &isIn, const std::vector<float> &depth, double diagonal)
+        : seen(seen), isIn(isIn), depth(depth), hair(0.005 * diagonal) {}
     bool has(const Eigen::Vector3d &p) const;
 
   private:
@@ -38,6 +38,8 @@ class SeenPart {
 
 /// Draws a polygon in the window.
 void drawOutline(const Camera &seen, const std::vector<Eigen::Vector2d> &polygon);
+/// How many pixels a brush has once the wheel has made steps, one at least for each.
+int brushAfter(int pixels, double steps);
 /// Draws how far a brush reaches.
 void drawBrush(const Camera &seen, const Eigen::Vector2d &place, double radius);
 

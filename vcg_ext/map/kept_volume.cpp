@@ -247,7 +247,7 @@ Eigen::Matrix3Xd KeptVolume::Bulge(const DeformationGraph &graph, const PartsDef
                                    const Eigen::Matrix3Xd &push) const {
     const Index k = graph.Size();
     // As an even pressure moves a plate: it begins smoothly at what is held.
-    Eigen::Matrix3Xd pressure = Eigen::Matrix3Xd::Zero(3, k);
+    Eigen::VectorXd pressure = Eigen::VectorXd::Zero(k);
     // Of a node's edges, by how much they are longer or shorter than at rest, root mean square.
     Eigen::MatrixXd strain = Eigen::MatrixXd::Zero(1, k);
     Eigen::Matrix3Xd out = Eigen::Matrix3Xd::Zero(3, k);
@@ -255,7 +255,7 @@ Eigen::Matrix3Xd KeptVolume::Bulge(const DeformationGraph &graph, const PartsDef
         const double size = push.col(j).norm();
         if (bodyOf[std::size_t(j)] < 0 || !(size > 0))
             continue;
-        pressure(0, j) = size;
+        pressure[j] = size;
         out.col(j) = push.col(j) / size;
         double off = 0, all = 0;
         for (std::uint32_t e = graph.graph.adjacency.begin[std::size_t(j)];
@@ -270,7 +270,7 @@ Eigen::Matrix3Xd KeptVolume::Bulge(const DeformationGraph &graph, const PartsDef
     }
     strain = Evened(graph, strain, evenedStrain);
     // Along a free limb a plate would go ever farther: what is strained says what is far.
-    const Eigen::RowVectorXd plate = parts.Spread(pressure).row(0).cwiseMax(0);
+    const Eigen::RowVectorXd plate = parts.Spread(pressure).cwiseMax(0).transpose();
     const double far = plate.dot(strain.row(0)) / std::max(strain.sum(), 1e-300);
     const Eigen::RowVectorXd much = strain.row(0).array() * plate.array() / (plate.array() + std::max(far, 1e-300));
     return Evened(graph, out * much.asDiagonal(), evenedWay);
@@ -287,7 +287,7 @@ double KeptVolume::Keep(const DeformationGraph &graph, const PartsDeformer &part
     if (bodies.empty())
         return 0;
     std::vector<Growth> growth(bodies.size());
-    Eigen::Matrix3Xd at(3, Eigen::Index(place.size())), change, way;
+    Eigen::Matrix3Xd at(3, Eigen::Index(place.size())), change = Eigen::Matrix3Xd::Zero(3, at.cols()), way;
     const Eigen::Matrix3Xd before = pose.position;
     const auto go = [&](double Growth::*step) {
         for (Eigen::Index j = 0; j < way.cols(); ++j)
@@ -299,7 +299,6 @@ double KeptVolume::Keep(const DeformationGraph &graph, const PartsDeformer &part
         GraphPose fitted = pose;
         fit(fitted);
         Map(GraphMapping::Posed(mapping, fitted, motion, {}, 1), at);
-        change.setZero(3, at.cols());
         off = 0;
         for (std::size_t b = 0; b < bodies.size(); ++b) {
             Growth &its = growth[b];

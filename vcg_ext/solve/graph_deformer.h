@@ -88,17 +88,17 @@ class GraphDeformer {
         return pose;
     }
 
-    /// How \p force (3 x k) moves the free nodes, smoothly, but for its size. 0 for those that are given.
-    Eigen::Matrix3Xd Spread(const Eigen::Matrix3Xd &force) const {
-        Eigen::Matrix3Xd way = Eigen::Matrix3Xd::Zero(3, force.cols());
-        Eigen::MatrixXd known(Eigen::Index(unknown.position.size()), 3);
+    /// How far \p pressure (k values) moves the free nodes, smoothly, but for its size. 0 for those that are given.
+    Eigen::VectorXd Spread(const Eigen::VectorXd &pressure) const {
+        Eigen::VectorXd way = Eigen::VectorXd::Zero(pressure.size());
+        Eigen::VectorXd known(Eigen::Index(unknown.position.size()));
         for (std::size_t u = 0; u < unknown.position.size(); ++u)
-            known.row(Eigen::Index(u)) = force.col(unknown.position[u]).transpose();
+            known[Eigen::Index(u)] = pressure[unknown.position[u]];
         if (known.size() == 0)
             return way;
-        const Eigen::MatrixXd moved = laplacian.Spread(known);
+        const Eigen::VectorXd moved = laplacian.Spread(known);
         for (std::size_t u = 0; u < unknown.position.size(); ++u)
-            way.col(unknown.position[u]) = moved.row(Eigen::Index(u)).transpose();
+            way[unknown.position[u]] = moved[Eigen::Index(u)];
         return way;
     }
 

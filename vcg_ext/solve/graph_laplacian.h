@@ -135,9 +135,9 @@ class GraphLaplacian {
         return biharmonic.solve(-(biharmonicRows * (constrainedColumns * given)));
     }
 
-    /// What \p force (n rows) moves the unknown positions by, of a surface that the bi-Laplacian makes stiff: it begins
-    /// smoothly at what is held.
-    Eigen::MatrixXd Spread(const Eigen::MatrixXd &force) const { return biharmonic.solve(force); }
+    /// How far \p pressure (n values) moves the unknown positions, of a surface that the bi-Laplacian makes stiff: it
+    /// begins smoothly at what is held.
+    Eigen::VectorXd Spread(const Eigen::VectorXd &pressure) const { return biharmonic.solve(pressure); }
 
   private:
     static constexpr const char *stage = "Deforming the graph";

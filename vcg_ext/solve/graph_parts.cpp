@@ -102,15 +102,15 @@ PartsDeformer::PartsDeformer(const DeformationGraph &graph, const std::vector<do
 
 PartsDeformer::~PartsDeformer() = default;
 
-Eigen::Matrix3Xd PartsDeformer::Spread(const Eigen::Matrix3Xd &force) const {
-    Eigen::Matrix3Xd way = Eigen::Matrix3Xd::Zero(3, force.cols());
+Eigen::VectorXd PartsDeformer::Spread(const Eigen::VectorXd &pressure) const {
+    Eigen::VectorXd way = Eigen::VectorXd::Zero(pressure.size());
     for (const auto &part : parts) {
-        Eigen::Matrix3Xd its(3, Eigen::Index(part->nodes.size()));
+        Eigen::VectorXd its(Eigen::Index(part->nodes.size()));
         for (std::size_t i = 0; i < part->nodes.size(); ++i)
-            its.col(Eigen::Index(i)) = force.col(part->nodes[i]);
+            its[Eigen::Index(i)] = pressure[part->nodes[i]];
         its = part->deformer->Spread(its);
         for (std::size_t i = 0; i < part->nodes.size(); ++i)
-            way.col(part->nodes[i]) += its.col(Eigen::Index(i)); // 0 of what several have
+            way[part->nodes[i]] += its[Eigen::Index(i)]; // 0 of what several have
     }
     return way;
 }

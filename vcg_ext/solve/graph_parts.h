@@ -39,7 +39,7 @@ class PartsDeformer {
                     const GraphPose *last = nullptr, const std::vector<Eigen::Affine3d> &lastMotion = {}) const;
 
     /// As GraphDeformer::Spread, of each part by itself.
-    Eigen::Matrix3Xd Spread(const Eigen::Matrix3Xd &force) const;
+    Eigen::VectorXd Spread(const Eigen::VectorXd &pressure) const;
 
   private:
     struct Part;

@@ -33,7 +33,7 @@ std::vector<std::size_t> BendMarking::strokeTo(const Eigen::Vector2d &to, double
 std::vector<std::size_t> BendMarking::verticesIn(const SeenPart::IsIn &isIn, const BendSession &session,
                                                  const Camera &view) const {
     const Eigen::Affine3d mirror = mirrorOf(session.model());
-    const SeenPart part(view, isIn, depth, 0.005 * session.diagonal());
+    const SeenPart part(view, isIn, depth, session.diagonal());
     return vcg::fcd::CollectInOrder<std::size_t>(
         vcg::fcd::Progress(), "Marking", Index(session.tags().size()), [&](Index i, std::vector<std::size_t> &found) {
             const auto slot = std::size_t(i);

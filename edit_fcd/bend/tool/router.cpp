@@ -123,7 +123,7 @@ void BendTool::turnWheel(QWheelEvent *event) {
         changeRim(std::pow(1.1, steps))) {
         view->update();
     } else if (panel && panel->mode() == BendPanel::Brush && event->modifiers() == Qt::NoModifier) {
-        panel->setBrush(int(std::lround(panel->brush() * std::pow(1.15, steps) + (steps > 0 ? 0.5 : -0.5))));
+        panel->setBrush(brushAfter(panel->brush(), steps));
         view->update();
     } else {
         toHost(*view, event);

@@ -5,7 +5,6 @@
 #include "edit_fcd/view/layer_ray.h"
 
 #include <algorithm>
-#include <cmath>
 
 // The brush that paints what counts, and the colours over the layers.
 
@@ -29,8 +28,7 @@ void FitTool::turnWheel(QWheelEvent *event) {
         toHost(*view, event);
         return;
     }
-    const double steps = event->angleDelta().y() / 120.0;
-    panel->setBrushSize(int(std::lround(panel->brushSize() * std::pow(1.15, steps) + (steps > 0 ? 0.5 : -0.5))));
+    panel->setBrushSize(brushAfter(panel->brushSize(), event->angleDelta().y() / 120.0));
     view->update();
 }
 

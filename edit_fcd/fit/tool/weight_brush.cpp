@@ -14,7 +14,7 @@ void WeightBrush::moveTo(const Eigen::Vector2d &to, double radius, const MeshMod
     const Eigen::Vector2d start = from.value_or(to);
     from = to;
     const SeenPart::IsIn isIn = [&](const Eigen::Vector2d &p) { return distanceToSegment(p, start, to) <= radius; };
-    const SeenPart part(seen, isIn, depth, 0.005 * session.diagonal());
+    const SeenPart part(seen, isIn, depth, session.diagonal());
     const Eigen::Affine3d world = matrixOf(on);
     const auto found =
         vcg::fcd::CollectInOrder<std::size_t>(vcg::fcd::Progress(), "Marking", vcg::fcd::Index(on.cm.vert.size()),
