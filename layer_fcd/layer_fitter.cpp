@@ -126,10 +126,10 @@ FittedSurface LayerFit::solve(bool measured, const Progress &progress) && {
             fitted.leftOut = fitter->LeaveOneOut(landmarks, progress.Slice(first, 0.8));
     } else {
         if (!curves.empty()) {
-            fitted.curves = fitter->LeadAlong(curves, name);
+            fitted.curves = fitter->LeadAlong(curves, name, progress.Slice(0.4, 0.42));
             goal.curves = fitted.curves.curve;
         }
-        target = fitter->Prepare(goal, progress.Slice(0.4, 0.5));
+        target = fitter->Prepare(goal, progress.Slice(0.42, 0.5));
         result.pose = fitter->Solve(*target, landmarks, fitted.report, progress.Slice(0.5, first));
         if (param.leaveOneOut)
             fitted.leftOut = fitter->LeaveOneOut(*target, landmarks, progress.Slice(first, 0.8));

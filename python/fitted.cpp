@@ -114,15 +114,14 @@ nb::list readCurves(const nb::bytes &content, const std::string &name) {
     return all;
 }
 
-nb::list Fitting::along(const std::vector<FileCurve> &curves) const {
+nb::list Fitting::along(const std::vector<FileCurve> &curves, const nb::object &report) const {
     std::vector<CurvePair> pairs;
     pairs.reserve(curves.size());
     for (const auto &[name, file, line, source, target] : curves)
         pairs.push_back({{name.c_str(), name.size()}, pointsOf(source), pointsOf(target), line, file});
-    const vcg::fcd::CurveLead lead = [&] {
-        const nb::gil_scoped_release release;
-        return fitter->LeadAlong(pairs, "the surface", prepared->threads);
-    }();
+    vcg::fcd::CurveLead lead;
+    Listener::Run(report, prepared->threads,
+                  [&](const Progress &progress) { lead = fitter->LeadAlong(pairs, "the surface", progress); });
     nb::list all;
     for (const vcg::fcd::Curve &curve : lead.curve) {
         std::int64_t *vertex;

@@ -40,7 +40,7 @@ class Fitting {
 
     /// Of curves, as \ref readCurves gives them: the numbers of the vertices that go along the source's line, and from
     /// each to its place there.
-    nb::list along(const std::vector<FileCurve> &curves) const;
+    nb::list along(const std::vector<FileCurve> &curves, const nb::object &report) const;
 
     /// Makes it symmetric. \param goal by name: vertex and place of each landmark, of which 2 pairs, and then
     /// the midline; plane (or None) \param normals, weights as it was

@@ -135,7 +135,7 @@ NB_MODULE(_core, module) {
         .def_ro("prepared", &Fitting::prepared)
         .def("fit", &Fitting::fit, arg("goal"), arg("points"), arg("places"), arg("leave_one_out"),
              arg("report").none())
-        .def("along", &Fitting::along, arg("curves"))
+        .def("along", &Fitting::along, arg("curves"), arg("report").none())
         .def("symmetrize", &Fitting::symmetrize, arg("goal"), arg("normals").none(), arg("weights").none(),
              arg("report").none())
         .def("put", &Fitting::put, arg("points"), arg("places"), arg("vertices"));

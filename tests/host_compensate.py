@@ -117,7 +117,7 @@ def test_parameters_names_order_and_defaults():
 
 def test_an_error_leaves_the_document_as_it_was():
     for parameters, text in ((dict(scan_layer=1), "'scan_layer' is 'part' itself"), (dict(scan_layer=77), "'scan_layer' names no layer"),
-                             (dict(degree=8), "degree of the warp"), (dict(samples=9), "At least 100 places"), (dict(largest_distance=-1), "must be positive"),
+                             (dict(degree=8), "degree of the warp"), (dict(samples=9), "At least 100 places"), (dict(samples=2**31 - 1), "at most 1000000"), (dict(largest_distance=-1), "must be positive"),
                              (dict(largest_distance=1e-9), "counterpart on the scan")):
         ms = layers()
         before = snapshot(ms.current_mesh())

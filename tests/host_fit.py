@@ -526,7 +526,7 @@ def test_a_start_that_cannot_be():
     ("stiffness", 0.0, "The stiffness must be a positive"), ("largest_distance", -1.0, "largest distance of matches must be positive"),
     ("largest_distance", 1e-9, "has a counterpart on 'target'"), ("largest_angle", 200.0, "largest angle of matches"),
     ("weights", 2, "The weights of the surface are 0 wherever it is free"), ("target_weights", 3, "with a weight per vertex, from 0, which is carried along, to 1"),
-    ("landmark_tolerance", -1.0, "The tolerance of the landmarks"), ("fit_steps", 1, "A fit takes 2 to 10000 steps"), ("samples", 5, "At least 100 places"),
+    ("landmark_tolerance", -1.0, "The tolerance of the landmarks"), ("fit_steps", 1, "A fit takes 2 to 10000 steps"), ("samples", 5, "At least 100 places"), ("samples", 2**31 - 1, "at most 1000000"),
     ("transforms", "2: translate 0 0 1", "no vertex has tag 2"), ("landmarks_file", "/no/such.csv", "Cannot open '/no/such.csv'")])
 def test_a_value_that_makes_no_sense_changes_nothing(name, value, word):
     ms, _ = pair()

@@ -21,7 +21,7 @@ namespace vcg::fcd {
 /// How a part is compensated.
 struct CompensateParam {
     int degree = 5;      ///< of the warp, 1 to 7
-    int samples = 12000; ///< places of the nominal surface that are matched, >= 100
+    int samples = 12000; ///< places of the nominal surface that are matched, 100 to a million
     double largestDistance = std::numeric_limits<double>::infinity(); ///< of matches, > 0
 };
 

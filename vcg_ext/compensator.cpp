@@ -61,8 +61,7 @@ Compensation::Compensation(const SurfaceView &nominal, const SurfaceView &scan, 
                            const CompensateParam &param, const Progress &progress) {
     if (param.degree < 1 || param.degree > 7)
         throw BadInput("The degree of the warp must be from 1 to 7; 5 is the default.");
-    if (param.samples < 100)
-        throw BadInput("At least 100 places of the nominal part have to be matched.");
+    ValidateSamples(param.samples);
     if (!(param.largestDistance > 0))
         throw BadInput("The largest distance of matches must be positive.");
     Eigen::AlignedBox3d box;

@@ -79,7 +79,7 @@ struct FitParam : DeformationParam {
     double largestAngle = 70;            ///< of matches, degrees between the normals, (0, 180]
     int fitSteps = 50;                   ///< from stiff to soft at most, >= 2
     FitStart start = FitStart::AsItLies; ///< another one only where nothing is fixed and there is no handle
-    int samples = 6000;                  ///< places of the source that are matched, >= 100
+    int samples = 6000;                  ///< places of the source that are matched, 100 to a million
     /// Places of the target with none of the source near draw the nearest one. false: that is only tried if too many
     /// are left, and taken if it fits better.
     bool bothWays = false;
@@ -165,12 +165,14 @@ class Fitter {
     /// What lies along polylines: the vertices nearest to their corners, and to places between these, no farther apart
     /// than the surface's mean edge is long; of places with the same one, the nearest counts. Vertices that are not
     /// free are left out. \param line one or more corners each, in the world \return of each, up to the first one that
-    /// lies elsewhere
-    std::vector<AlongLine> Along(const std::vector<std::vector<Eigen::Vector3d>> &line, unsigned threads = 0) const;
+    /// lies elsewhere \throw Cancelled
+    std::vector<AlongLine> Along(const std::vector<std::vector<Eigen::Vector3d>> &line,
+                                 const Progress &progress = {}) const;
 
     /// What goes along the source's lines of curves, as Along tells. \param surface what messages call the source
-    /// \throw BadInput with the line in the file: a curve lies elsewhere, or where nothing is free
-    CurveLead LeadAlong(const std::vector<CurvePair> &pairs, const std::string &surface, unsigned threads = 0) const;
+    /// \throw BadInput with the line in the file: a curve lies elsewhere, or where nothing is free \throw Cancelled
+    CurveLead LeadAlong(const std::vector<CurvePair> &pairs, const std::string &surface,
+                        const Progress &progress = {}) const;
 
     /// Fits it, from its pose at rest. \throw BadInput landmarks that are no vertices, or twice at one place; a curve
     /// with a vertex that is none or not free, or with fewer than two points

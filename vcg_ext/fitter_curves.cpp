@@ -26,7 +26,8 @@ double LongestEdge(const Graph &graph) {
 
 } // namespace
 
-std::vector<AlongLine> Fitter::Along(const std::vector<std::vector<Eigen::Vector3d>> &lines, unsigned threads) const {
+std::vector<AlongLine> Fitter::Along(const std::vector<std::vector<Eigen::Vector3d>> &lines,
+                                     const Progress &progress) const {
     const RegionDeformer &region = deformer->Whole();
     const SurfaceGraph &surface = region.surface;
     std::vector<std::size_t> slot;
@@ -38,14 +39,19 @@ std::vector<AlongLine> Fitter::Along(const std::vector<std::vector<Eigen::Vector
         slot.push_back(i);
         position.push_back(p);
     }
-    const PointTree<double> tree(position, threads);
+    const PointTree<double> tree(position, progress.threads);
     const Eigen::Affine3d toFrame = ToFrame(Eigen::Affine3d::Identity());
     const double most = std::max(farFromAll, LongestEdge(surface.graph));
     std::vector<AlongLine> all;
+    std::size_t looked = 0; // a place is looked up in some microseconds
     for (const std::vector<Eigen::Vector3d> &line : lines) {
+        const auto told = [&] { progress(double(all.size()) / double(lines.size()), "Following the curves"); };
+        told();
         AlongLine &along = all.emplace_back();
         std::map<std::size_t, std::pair<double, Eigen::Vector3d>> nearestTo; // of vertices, with its distance
         const auto add = [&](const Eigen::Vector3d &place, std::size_t corner) {
+            if (++looked % 4096 == 0)
+                told();
             double far = 0;
             const std::size_t nearest = slot[std::size_t(tree.Nearest(toFrame * place, &far))];
             if (!(far <= along.farthest)) { // or it is too far for a number
@@ -87,13 +93,14 @@ std::vector<AlongLine> Fitter::Along(const std::vector<std::vector<Eigen::Vector
     return all;
 }
 
-CurveLead Fitter::LeadAlong(const std::vector<CurvePair> &pairs, const std::string &surface, unsigned threads) const {
+CurveLead Fitter::LeadAlong(const std::vector<CurvePair> &pairs, const std::string &surface,
+                            const Progress &progress) const {
     std::vector<std::vector<Eigen::Vector3d>> lines;
     lines.reserve(pairs.size());
     for (const CurvePair &pair : pairs)
         lines.push_back(pair.source);
     CurveLead lead;
-    const std::vector<AlongLine> all = Along(lines, threads);
+    const std::vector<AlongLine> all = Along(lines, progress);
     for (std::size_t c = 0; c < all.size(); ++c) {
         const AlongLine &along = all[c];
         const CurvePair &pair = pairs[c];

@@ -35,8 +35,7 @@ void FitParam::ValidateFit() const {
         throw BadInput("The largest angle of matches must be above 0 and at most 180 degrees.");
     if (fitSteps < 2 || fitSteps > 10000)
         throw BadInput("A fit takes 2 to 10000 steps.");
-    if (samples < 100)
-        throw BadInput("At least 100 places have to be matched.");
+    ValidateSamples(samples);
     if (!(landmarkTolerance >= 0) || std::isinf(landmarkTolerance))
         throw BadInput("The tolerance of the landmarks must be 0, for exact ones, or a positive, finite length.");
 }

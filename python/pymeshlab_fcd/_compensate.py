@@ -123,7 +123,7 @@ def compensate(
     largest_distance : float, default 0.0
         What is farther than this from the scan is not scanned. 0: no limit.
     samples : int, default 12000
-        How many places of the nominal part are matched, from 100.
+        How many places of the nominal part are matched, from 100 to a million.
     threads : int, default 0
         How many to use; 0 is one a core.
     progress : Progress, optional
@@ -157,7 +157,7 @@ def compensate(
     if len(places) == 0:
         raise ValueError("the scan has no vertices; give a surface, or points, as scan_vertices")
     normals = None if scan_normals is None else _inputs.normals(scan_normals, len(places), "scan_normals")
-    param: dict[str, Any] = {"degree": _inputs.whole("degree", degree, 1, 7), "samples": _inputs.whole("samples", samples, 100),
+    param: dict[str, Any] = {"degree": _inputs.whole("degree", degree, 1, 7), "samples": _inputs.whole("samples", samples, 0),
                              "largest_distance": _inputs.number("largest_distance", largest_distance)}
     way = _core.Compensating(nominal, triangles, places, of_scan, normals, param, _inputs.whole("threads", threads, 0, 1024),
                              report(progress))

@@ -18,7 +18,7 @@ from ._inputs import Points
 from ._kept import Unchanging
 from ._meshes import MeshLike
 from ._pose import Pose, PoseInfo
-from ._progress import Progress, report, shared
+from ._progress import Progress, Report, report, shared
 from ._warnings import FoldWarning, LandmarkWarning, MatchWarning, NotAtRestWarning, Told, triangles_turned, warn
 
 FitStart = Literal["as_they_lie", "landmarks_rigid", "landmarks_similar", "axes"]
@@ -186,7 +186,7 @@ class Fitter(Unchanging):
     seed : int, default 1
         Chooses where the first patches are.
     samples : int, default 6000
-        How many places of the surface are matched, from 100.
+        How many places of the surface are matched, from 100 to a million.
     steps : int, default 50
         The most steps from stiff to soft, 2 to 10000; the less the surface moves, the fewer it takes.
     threads : int, default 0
@@ -328,14 +328,14 @@ class Fitter(Unchanging):
              curves: Curve | Sequence[Curve | Sequence[ArrayLike]] | None, told: Progress, level: int) -> Fitted:
         points, places = self._pairs("landmarks", landmarks)
         judges, judged = self._pairs("check", check)
-        lines = self._curves(curves)
+        lines = self._curves(curves, report(told, 0, 5))
         if self._alone and lines:
             raise ValueError("curves lie on a target: give that, and leave landmarks_only out")
         if self._alone and len(points) == 0:
             raise ValueError("there are no landmarks that the surface could follow; give some as landmarks, or leave landmarks_only out")
         goal = {} if self._alone else {**self._goal(target, faces, normals, weights), "curves": lines}
         fitting = self._deformer._fitting
-        solved, found = fitting.fit(goal, points, places, _inputs.flag("leave_one_out", leave_one_out), report(told, 0, 70))
+        solved, found = fitting.fit(goal, points, places, _inputs.flag("leave_one_out", leave_one_out), report(told, 5, 70))
         found["alone"] = self._alone
         if found["matched"] == 0 and not self._alone:
             known = " ".join(found["landmark_remarks"] + found["target_remarks"])
@@ -378,7 +378,8 @@ class Fitter(Unchanging):
     def _nearest(self, places: Points) -> NDArray[np.int64]:
         return _core.nearest_vertices(self._deformer.vertices, places, self._deformer._threads, None)
 
-    def _curves(self, curves: Curve | Sequence[Curve | Sequence[ArrayLike]] | None) -> list[tuple[NDArray[np.int64], Points, Points]]:
+    def _curves(self, curves: Curve | Sequence[Curve | Sequence[ArrayLike]] | None,
+                told: Report | None) -> list[tuple[NDArray[np.int64], Points, Points]]:
         """Of each, numbers of vertices, corners, and from the vertices to the places."""
         found, lines = [], {}
         for k, curve in enumerate([curves] if isinstance(curves, Curve) else () if curves is None else curves):
@@ -397,7 +398,7 @@ class Fitter(Unchanging):
             places = np.asarray(given, np.float64)
             nearest = self._nearest(places)
             found.append((nearest, corners, places - self._deformer.vertices[nearest]))
-        for k, (vertices, offsets) in zip(lines, self._deformer._fitting.along(list(lines.values()))):
+        for k, (vertices, offsets) in zip(lines, self._deformer._fitting.along(list(lines.values()), told) if lines else ()):
             found[k] = vertices, found[k][1], offsets
         return found
 

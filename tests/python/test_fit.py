@@ -153,6 +153,18 @@ def curve_table(lines):
                                              for surface, side in zip(("source", "target"), line) for x, y, z in side.tolist())
 
 
+def test_the_search_along_curves_can_be_cancelled(fitter):
+    source = np.repeat(VERTICES[:400:8], 2000, axis=0)  # as a scanner of lines gives it
+    def stop(percent, stage):
+        if stage == "Following the curves":
+            raise KeyboardInterrupt
+    with pytest.raises(KeyboardInterrupt):
+        fitter.fit(TARGET, TARGET_FACES, curves=Curve("edge", source, TRUTH[:400:8]), progress=stop)
+    told = []
+    fitter.fit(TARGET, TARGET_FACES, curves=Curve("edge", source, TRUTH[:400:8]), progress=lambda percent, stage: told.append((percent, stage)))
+    assert [percent for percent, _ in told] == sorted(percent for percent, _ in told) and "Following the curves" in [stage for _, stage in told]
+
+
 def test_curves_of_a_file_lead_as_those_that_are_given(fitter, tmp_path):
     """Two that are far from each other, one of vertices before, and what is wrong with the line of the file."""
     lines = [(VERTICES[[610, 640, 641]], TRUTH[[610, 640, 641, 642]]), (VERTICES[5:906:90] + 0.001, TRUTH[5:906:30])]
@@ -451,6 +463,7 @@ NOWHERE = np.array([[0, 0, 0.0], [0, 0, 1]])
     (TARGET, {"largest_distance": -1}, "largest distance of matches must be positive"),
     (TARGET, {"largest_angle": 200}, "largest angle of matches"),
     (TARGET, {"samples": 5}, "At least 100 places"),
+    (TARGET, {"samples": 2**31 - 1}, "at most 1000000"),
     (TARGET, {"weights": np.ones(3)}, "weights must be 1800 numbers, one for each vertex"),
     (TARGET, {"weights": np.full(len(VERTICES), np.nan)}, "weights must be from 0, .* that of vertex 0 is nan"),
     (TARGET, {"weights": np.arange(len(VERTICES)) / 2}, "weights must be from 0, .* that of vertex 3 is 1.5"),

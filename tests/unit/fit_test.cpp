@@ -475,7 +475,7 @@ TEST(Fit, SaysWhichWeightsCannotBe) {
     ExpectError([&] { Weighted(source, target, [](std::size_t i) { return i == 7 ? 2 : 1; }); },
                 "The weight of vertex 7 of the surface is 2");
     ExpectError([&] { Weighted(source, target, {}, [](std::size_t i) { return i == 3 ? std::nan("") : 1; }); },
-                "The weight of vertex 3 of the target is nan");
+                "The weight of vertex 3 of the target is no number");
 }
 
 /// With a ball of so many vertices around.
@@ -607,7 +607,7 @@ TEST(Fit, KnowsWhatLiesAlongALine) {
             p = handles.world * p;
         return line;
     };
-    const auto along = [&](const std::vector<Vector3d> &line) { return fitter.Along({world(line)}, 1)[0]; };
+    const auto along = [&](const std::vector<Vector3d> &line) { return fitter.Along({world(line)})[0]; };
     const auto slot = [](int x, int y) { return std::size_t(y * 21 + x); };
     const auto expect = [](const AlongLine &found, std::vector<std::size_t> vertices) {
         std::sort(vertices.begin(), vertices.end());

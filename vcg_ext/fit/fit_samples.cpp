@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace vcg::fcd {
@@ -85,7 +86,8 @@ float CheckedWeight(const WeightOf &weight, std::size_t slot, const char *what) 
     const double its = weight(slot);
     if (!(its >= 0 && its <= 1))
         throw BadInput(std::string("The weight of vertex ") + std::to_string(slot) + " of the " + what + " is " +
-                       std::to_string(its) + "; give each vertex one from 0, which is carried along, to 1.");
+                       (std::isnan(its) ? "no number" : std::to_string(its)) +
+                       "; give each vertex one from 0, which is carried along, to 1.");
     return float(its);
 }
 
@@ -98,6 +100,13 @@ std::vector<float> WeightsAtNodes(const SurfaceView &mesh, const WeightOf &weigh
                 least[std::size_t(u)] = std::min(least[std::size_t(u)], its);
         }
     return least;
+}
+
+void ValidateSamples(int samples) {
+    // Each takes up to 2 kB, and what is off by noise falls with the root of their number.
+    if (samples < 100 || samples > 1000000)
+        throw BadInput("At least 100 places have to be matched, and at most 1000000; not " + std::to_string(samples) +
+                       ".");
 }
 
 std::vector<Index> EvenSample(const RegionDeformer &deformer, std::size_t wanted, const std::vector<float> &weight) {

@@ -55,6 +55,9 @@ float CheckedWeight(const WeightOf &weight, std::size_t slot, const char *what);
 /// Of each node of the surface, the least of its vertices. \throw BadInput a number outside 0 to 1
 std::vector<float> WeightsAtNodes(const SurfaceView &mesh, const WeightOf &weight, const Deformer &deformer);
 
+/// \throw BadInput fewer than 100 places of a surface, or more than a million, to be matched
+void ValidateSamples(int samples);
+
 /// Free nodes of a surface that stand for the same area each. \param wanted how many, about
 /// \param weight of each node of the surface: only of those above 0; empty: of all
 std::vector<Index> EvenSample(const RegionDeformer &deformer, std::size_t wanted,
