@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "parameters.h"
 
+#include "meshlab_host.h"
 #include "save_files.h"
 
 #include <vcg_ext/base/words.h>
@@ -49,6 +50,9 @@ void TagParam::validate() const {
                     "; handles are numbered from 2 (0 is the tag of fixed vertices, 1 that of free ones).");
     if (role == FromFile && tagFile.isEmpty())
         throw Error("tag_file is empty. Give the .sel file with one tag per vertex.");
+    if (role != FromFile && !tagFile.isEmpty() && !host::inWindow()) // a dialog remembers the last file
+        throw Error(
+            "tag_file would not be read: role takes other tags. Give role 4, the tags of the file, or no file.");
     const auto expectOther = [&](const char *name, const QString &file) {
         if (!file.isEmpty() && !save.transformFile.isEmpty() && isSameFile(file, save.transformFile))
             throw Error(std::string(name) + " and save_transform_file are the same file. Give two different files.");

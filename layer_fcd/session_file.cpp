@@ -210,7 +210,8 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
     if (!inner.isMap())
         whole.fail("layer is missing");
     const Reader from(inner.toMap(), file, mesh.vn);
-    const int vertices = int(from.number("vertices")), faces = int(from.number("faces"));
+    const int most = std::numeric_limits<int>::max();
+    const int vertices = from.whole("vertices", most), faces = from.whole("faces", most);
     if (vertices != mesh.vn || faces != mesh.fn)
         throw Error(name + " is of a layer with " + std::to_string(vertices) + " vertices and " +
                     std::to_string(faces) + " faces, and " + inQuotes(layer) + " has " + std::to_string(mesh.vn) +

@@ -2008,7 +2008,7 @@ def test_one_filter_does_what_its_parts_do(tmp_path, attribute):
 
 
 @pytest.mark.parametrize("given, message", [
-    (dict(role=4), "tag_file is empty"), (dict(role=5), "There is nothing to do"),
+    (dict(role=4), "tag_file is empty"), (dict(role=2, selected=True, tag_file="t.sel"), "tag_file would not be read"), (dict(role=5), "There is nothing to do"),
     (dict(role=2, handle_number=1), "handle_number is 1"), (dict(role=2), "Nothing is selected"),
     (dict(role=2, selected=True, save_tag_file="no/such/folder/t.sel"), "no/such/folder"),
     (dict(role=0, selected=True, save_transform_file="t.def"), "No vertex belongs to a handle"),

@@ -436,6 +436,18 @@ def test_what_is_painted_goes_along(tmp_path, capfd):
     assert np.array_equal(again.current_mesh().vertex_custom_scalar_attribute_array("fcd_weight"), weights)
 
 
+@pytest.mark.parametrize("wrong", [1e300, -1, 0.5, float("nan")])
+def test_a_number_of_vertices_that_is_none_is_refused(tmp_path, wrong):
+    ms, _, _ = posed()
+    file = tmp_path / "s.fcd"
+    ms.apply_filter(SAVE, session_file=str(file))
+    data = file.read_bytes()
+    count = cbor("vertices") + cbor(ms.current_mesh().vertex_number())
+    assert contents(data).count(count) == 1
+    file.write_bytes(with_layer(data, contents(data).replace(count, cbor("vertices") + cbor(wrong))))
+    refused(ms, "vertices is (out of range|no whole number)", session_file=str(file))
+
+
 @pytest.mark.parametrize("weights", [lambda n: np.linspace(0, 1.0001, n), lambda n: np.full(n, np.nan), lambda n: np.zeros((n, 3))])
 def test_what_no_brush_has_painted_stays_out_of_sessions(tmp_path, capfd, weights):
     """Numbers of that name that are no weights, or no numbers: the rest of the session is saved, and loads."""
