@@ -49,17 +49,19 @@ def _points(path: Path, columns: int) -> Points:
     return rows
 
 
-def _target(path: Path) -> tuple[Points, NDArray[np.int64] | None]:
-    """A scan, of which nothing is written."""
+def _target(path: Path, weights: str | None = None) -> tuple[Points, NDArray[np.int64] | None, NDArray[np.float64] | None]:
+    """A scan, of which nothing is written, and its weights."""
     if path.suffix.lower() == ".ply":
         ply = Ply(path)
-        return ply.vertices, ply.faces
+        return ply.vertices, ply.faces, ply.column(weights) if weights else None
+    if weights:
+        raise ValueError(f"{path} is no PLY file, so it has no {weights}: save it as PLY, or leave --target-weights out")
     try:
         files: Any = importlib.import_module("trimesh")
     except ImportError:
         raise ValueError(f"{path} is no PLY file: trimesh, which reads others, is not installed") from None
     mesh = files.load(path, process=False)
-    return np.asarray(mesh.vertices, np.float64), getattr(mesh, "faces", None)
+    return np.asarray(mesh.vertices, np.float64), getattr(mesh, "faces", None), None
 
 
 def _curves_of(given: str, scan: Path) -> Path:
@@ -80,14 +82,16 @@ def _write(ply: Ply, pose: Pose, out: Path, names: Sequence[str], given: argpars
 
 def _fit(given: argparse.Namespace, scan: Path, out: Path, threads: int) -> Row:
     template = Ply(given.template)
-    target, faces = _target(scan)
+    target, faces, target_weights = _target(scan, given.target_weights)
     landmarks = None
     if given.landmarks:
         pairs = _points(Path(given.landmarks) / f"{scan.stem}.csv", 6)
         landmarks = pairs[:, :3], pairs[:, 3:]
     curves = read_curves(_curves_of(given.curves, scan)) if given.curves else None
     fitted = fit(template.vertices, template.faces, target, faces, landmarks=landmarks, curves=curves, normals=template.normals,
-                 start=given.start, stiffness=given.stiffness, landmark_tolerance=given.landmark_tolerance, threads=threads)
+                 weights=template.column(given.weights) if given.weights else None, target_weights=target_weights, start=given.start,
+                 stiffness=given.stiffness, rigidity=given.rigidity, largest_distance=given.largest_distance, both_ways=given.both_ways,
+                 landmark_tolerance=given.landmark_tolerance, threads=threads)
     return _write(template, fitted, out, _FITTED, given)
 
 
@@ -142,7 +146,7 @@ def _info(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row
         bend = Deformation.load(path)
         samples = bend.samples
         return {"samples": len(samples), "off_by": bend.largest_difference, "low": samples.min(0).tolist(), "high": samples.max(0).tolist()}
-    vertices, faces = _target(path)
+    vertices, faces, _ = _target(path)
     return {"vertices": len(vertices), "faces": 0 if faces is None else len(faces), "low": np.nanmin(vertices, axis=0).tolist(),
             "high": np.nanmax(vertices, axis=0).tolist()}
 
@@ -309,8 +313,13 @@ def _parser() -> argparse.ArgumentParser:
     made.add_argument("--curves", metavar="FOLDER_OR_FILE", help="of lines that slide along each other: NAME.csv for each scan, or one file for all, "
                       "with a first row curve, surface, x, y, z; the surface is source (the template) or target (the scan)")
     made.add_argument("--start", default="as_they_lie", choices=["as_they_lie", "landmarks_rigid", "landmarks_similar", "axes"])
-    made.add_argument("--stiffness", type=float, default=1.0)
-    made.add_argument("--landmark-tolerance", type=float, default=0.0)
+    made.add_argument("--weights", metavar="PROPERTY", help="of the template's vertices: how much each counts, from 0 (carried along) to 1")
+    made.add_argument("--target-weights", metavar="PROPERTY", help="the same of each scan's vertices")
+    made.add_argument("--stiffness", type=float, default=1.0, help="how much the template keeps its shape (default: 1)")
+    made.add_argument("--rigidity", type=float, default=1.0, help="1: parts keep their size (default); 0: they may stretch evenly")
+    made.add_argument("--largest-distance", type=float, default=0.0, help="what is farther from the scan is carried along (default: no limit)")
+    made.add_argument("--both-ways", action="store_true", help="the scan also draws the template, for thin parts that come from far")
+    made.add_argument("--landmark-tolerance", type=float, default=0.0, help="how far landmarks may be off (default: 0, exact)")
     made.add_argument("--mean", nargs="?", const="rigid", choices=["rigid", "similar"], help="also the mean shape of all results, mean.ply: each "
                       "laid onto it by a rigid motion, or scaled, too")
     made = job("deform", "Moves the handles of each mesh.", "FILE")

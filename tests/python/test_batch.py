@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+import warnings
 
 import numpy as np
 import pytest
@@ -120,6 +121,30 @@ def test_fits_are_those_of_the_package_and_are_not_done_twice(tmp_path, capsys):
     assert main(command) == 0 and capsys.readouterr().out.count("rms") == 2  # one is gone, one has changed
     assert main([*command, "--stiffness", "3"]) == 0 and capsys.readouterr().out.count("rms") == 3  # other options
     assert main([*command, "--stiffness", "3", "--again"]) == 0 and capsys.readouterr().out.count("rms") == 3
+
+
+def test_fits_take_what_counts_and_how_stiff(tmp_path, capsys):
+    vertices, faces, tags, files = scans(tmp_path, 1)
+    half, of_scan = (vertices[:, 0] < 6) * 1.0, np.where(vertices[:, 1] > 0.2, 1.0, 0.5)
+    write_ply(tmp_path / "template.ply", vertices, faces, half)
+    scan = Ply(files[0])
+    write_ply(tmp_path / "scan0.ply", scan.vertices, faces, of_scan)
+    command = ["fit", str(tmp_path / "template.ply"), *files, "--out", str(tmp_path / "out")]
+    made = []
+    for options, given in (([], {}), (["--weights", "quality"], {"weights": half}), (["--target-weights", "quality"], {"target_weights": of_scan}),
+                           (["--rigidity", "0.5"], {"rigidity": 0.5}), (["--largest-distance", "1"], {"largest_distance": 1}),
+                           (["--both-ways"], {"both_ways": True})):
+        assert main([*command, *options]) == 0
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            expected = fit(vertices, faces, scan.vertices, scan.faces, **given).vertices
+        made.append(Ply(tmp_path / "out" / "scan0.ply").vertices)
+        assert (made[-1] == expected).all(), options
+    assert not any((other == made[0]).all() for other in made[1:4])
+    (tmp_path / "scan0.obj").write_text("v 0 0 0\n")
+    capsys.readouterr()
+    assert main(["fit", str(tmp_path / "template.ply"), str(tmp_path / "scan0.obj"), "--out", str(tmp_path / "out"), "--target-weights", "quality"]) == 1
+    assert "is no PLY file, so it has no quality" in capsys.readouterr().out
 
 
 def test_curves_are_read_for_each_scan_or_for_all(tmp_path, capsys):
