@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/compensate.h>
+#include <vcg_ext/fit/fit_matches.h>
 #include <vcg_ext/fit/fit_start.h>
 #include <vcg_ext/fit/fit_target.h>
 
@@ -14,8 +15,9 @@ namespace vcg::fcd {
 
 namespace {
 
-/// Places of triangles that stand for the same area each, and the normals there.
-void SampleEvenly(const SurfaceView &mesh, int wanted, const Eigen::Vector3d &middle, double scale, WarpGoal &goal) {
+/// Places of triangles that stand for the same area each, and the normals there. \return the area, in units of the
+/// diagonal
+double SampleEvenly(const SurfaceView &mesh, int wanted, const Eigen::Vector3d &middle, double scale, WarpGoal &goal) {
     std::vector<double> area(mesh.faces, 0);
     const auto at = [&](std::size_t f, std::size_t k) {
         return Eigen::Vector3d((mesh.At(mesh.corner[3 * f + k]) - middle) / scale);
@@ -47,7 +49,47 @@ void SampleEvenly(const SurfaceView &mesh, int wanted, const Eigen::Vector3d &mi
         }
     }
     goal.weight.assign(goal.place.size(), 1);
+    return all / 2;
 }
+
+/// The scan as it is matched.
+class ScanSurface {
+  public:
+    /// \param spacing of a cloud's points, if they are all over the part; 0: triangles
+    ScanSurface(const FitTarget &target, double spacing) : target(target), spacing(spacing) {}
+
+    /// Takes the scan's normals turned over, where most of what is near looks the other way.
+    void FindSide(const WarpGoal &goal, unsigned threads) {
+        std::vector<double> far(goal.place.size()), cosine(goal.place.size(), 0);
+        ParallelFor(threads, goal.place.size(), 64, [&](std::size_t first, std::size_t last) {
+            for (std::size_t s = first; s < last; ++s) {
+                const WarpMatch match = Match(goal.place[s]);
+                far[s] = (match.point - goal.place[s]).norm();
+                if (match.isOriented)
+                    cosine[s] = match.normal.dot(goal.normal[s]);
+            }
+        });
+        const double near = Quantile(far, 0.5);
+        double sum = 0;
+        for (std::size_t s = 0; s < far.size(); ++s)
+            sum += far[s] <= near ? cosine[s] : 0;
+        side = sum < 0 ? -1 : 1;
+    }
+
+    /// Of a cloud, it lies on the plane at its nearest point, where that is no farther along it than points are apart.
+    WarpMatch Match(const Eigen::Vector3d &at) const {
+        const FitTarget::Match match = target.Nearest(at);
+        const Eigen::Vector3d foot = at - match.normal * match.normal.dot(at - match.point);
+        const bool isOnPlane = !match.normal.isZero(0) && (foot - match.point).norm() <= 2 * spacing;
+        return {isOnPlane ? foot : match.point, side * match.normal, match.isOriented,
+                match.onBorder ? 0 : match.weight};
+    }
+
+  private:
+    const FitTarget &target;
+    const double spacing;
+    double side = 1;
+};
 
 // A match that is farther than so many times the distance that nineteen in twenty are within is none.
 constexpr double farOff = 3;
@@ -74,18 +116,18 @@ Compensation::Compensation(const SurfaceView &nominal, const SurfaceView &scan, 
     middle = box.center();
     scale = std::max(box.diagonal().norm(), 1e-300);
     WarpGoal goal;
-    SampleEvenly(nominal, param.samples, middle, scale, goal);
+    const double area = SampleEvenly(nominal, param.samples, middle, scale, goal);
     const Eigen::Affine3d toFrame = Eigen::Scaling(1 / scale) * Eigen::Translation3d(-middle);
     const FitTarget target(scan, scanNormal, toFrame, progress.Slice(0, 0.1));
-    goal.match = [&](std::size_t, const Eigen::Vector3d &at) {
-        const FitTarget::Match match = target.Nearest(at);
-        return WarpMatch{match.point, match.normal, match.isOriented, match.onBorder ? 0 : match.weight};
-    };
+    ScanSurface surface(target, scan.isCloud ? std::sqrt(area / double(scan.vertexSlots)) : 0);
+    surface.FindSide(goal, progress.threads);
+    goal.match = [&](std::size_t, const Eigen::Vector3d &at) { return surface.Match(at); };
     goal.degree = param.degree;
     goal.typicalBending = typicalBending;
     goal.typicalStrain = typicalStrain;
     goal.farthest = param.largestDistance / scale;
-    warp = FitWarp(goal, progress.Slice(0.1, 0.6));
+    WarpReport lies;
+    warp = FitWarp(goal, progress.Slice(0.1, 0.6), &lies);
 
     // Where the scan lies is no warp: the rigid motion nearest to it is taken out.
     std::vector<Eigen::Vector3d> warped;
@@ -95,14 +137,11 @@ Compensation::Compensation(const SurfaceView &nominal, const SurfaceView &scan, 
     placed = StartFromLandmarks(goal.place, warped, false);
     std::vector<double> before, left;
     for (std::size_t s = 0; s < goal.place.size(); ++s) {
-        const FitTarget::Match match = target.Nearest(warped[s]);
-        const double side = match.isOriented ? match.normal.dot(goal.normal[s]) : 1;
-        const double far = (match.point - warped[s]).norm();
-        if (match.onBorder || side < 0.5 || far > goal.farthest)
+        if (lies.share[s] < 0.5)
             continue;
-        left.push_back(far);
+        left.push_back((surface.Match(warped[s]).point - warped[s]).norm());
         const Eigen::Vector3d rigid = placed * goal.place[s];
-        before.push_back((target.Nearest(rigid).point - rigid).norm());
+        before.push_back((surface.Match(rigid).point - rigid).norm());
     }
     if (left.size() < 10)
         throw BadInput("Nothing of the nominal part has a counterpart on the scan. Lay one onto the other first, with "

@@ -128,11 +128,43 @@ def test_what_is_not_scanned_goes_along(part):
     assert rms(placed(warped(made.vertices), nominal) - nominal) < 0.03
 
 
+def block(thick):
+    """A part with a flat top and a flat underside, and what becomes of its places when it is printed."""
+    x, y, z = (grid.ravel() for grid in np.meshgrid(np.linspace(-50, 50, 41), np.linspace(-30, 30, 25), [0.0, thick], indexing="ij"))
+    a = np.arange(40 * 25).reshape(40, 25)[:, :-1].ravel() * 2
+    low = np.concatenate([np.stack([a, a + 2, a + 50], 1), np.stack([a + 2, a + 52, a + 50], 1)])
+    top = low[:, ::-1] + 1
+    return np.stack([x, y, z], 1), np.concatenate([low, top]), top, lambda p: p * [0.995, 0.995, 1] + np.outer(4e-4 * p[:, 0] ** 2 / 3, [0, 0, 1])
+
+
+def off_above(made, points, printed):
+    """How far the tops of prints are from flat."""
+    top = points[:, 2] > 0
+    return np.abs((placed(printed(made.vertices)[top], points[top]) - points[top])[:, 2]).max()
+
+
+@pytest.mark.parametrize("thick, turned_over", [(8.0, False), (20.0, False), (20.0, True)])
+def test_a_thick_part_of_which_one_side_is_scanned(thick, turned_over):
+    """What is nearest to the underside, the scan's top, is as far as the part is thick, and no noise."""
+    points, faces, top, printed = block(thick)
+    made = compensate(points, faces, printed(points), top[:, ::-1] if turned_over else top)
+    assert off_above(made, points, printed) < 0.01 < 0.2 < np.ptp(printed(points)[points[:, 2] > 0, 2])
+    assert made.info.scanned == pytest.approx(0.5, abs=0.03) and made.info.left < 1e-3
+
+
+def test_a_cloud_tells_as_much_as_its_triangles():
+    """Its points are 2.5 apart: what is between them is off by nothing."""
+    points, faces, _, printed = block(8.0)
+    mesh, cloud = compensate(points, faces, printed(points), faces), compensate(points, faces, printed(points))
+    assert cloud.info.before == pytest.approx(mesh.info.before, rel=0.05) and cloud.info.left < 2e-3 * mesh.info.before
+    assert off_above(cloud, points, printed) < 0.01
+
+
 def test_what_makes_no_sense_is_told(part):
     nominal, faces = part[:2]
     points, triangles = scan()
     for wrong, text in ((dict(faces=None), "no triangles"), (dict(scan_vertices=np.zeros((0, 3)), scan_faces=None), "no vertices"),
-                        (dict(degree=8), "degree"), (dict(samples=10), "samples"), (dict(largest_distance=-1), "largest distance"),
+                        (dict(degree=8), "degree"), (dict(samples=10), "places"), (dict(largest_distance=-1), "largest distance"),
                         (dict(scan_vertices=points + 1e4, largest_distance=1.0), "counterpart on the scan")):
         given = {**dict(vertices=nominal, faces=faces, scan_vertices=points, scan_faces=triangles), **wrong}
         with pytest.raises(ValueError, match=text):

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/warp/smooth_warp.h>
 
 #include <Eigen/Dense>
@@ -92,6 +93,39 @@ double MedianOf(std::vector<double> values) {
     return *middle;
 }
 
+bool HasSides(const Eigen::Vector3d &normal, const WarpMatch &match) {
+    return !match.normal.isZero(0) && !normal.isZero(0);
+}
+
+/// How much both look to the same side, [0, 1].
+double SideOf(const Eigen::Vector3d &normal, const WarpMatch &match) {
+    if (!HasSides(normal, match))
+        return 1;
+    const double cosine = match.isOriented ? normal.dot(match.normal) : std::abs(normal.dot(match.normal));
+    return std::clamp((cosine - anotherSide) / (sameSide - anotherSide), 0.0, 1.0);
+}
+
+// A match that is so often as far as its way back is another's, as in FitMatches.
+constexpr double mostDetour = 2;
+
+/// Leaves out what is matched with the other side of a thin part. Normals tell the sides; where the target's do not
+/// know which is which, something else of the surface is nearer to the place there.
+void LeaveOutDetours(const std::vector<Eigen::Vector3d> &at, const std::vector<WarpMatch> &match,
+                     const std::vector<double> &far, unsigned threads, std::vector<double> &share) {
+    if (std::all_of(match.begin(), match.end(), [](const WarpMatch &each) { return each.isOriented; }))
+        return;
+    const PointTree<double> tree(at, threads);
+    std::vector<double> back(at.size());
+    ParallelFor(threads, at.size(), 64, [&](std::size_t first, std::size_t last) {
+        for (std::size_t s = first; s < last; ++s)
+            tree.Nearest(match[s].point, &back[s]);
+    });
+    const double spacing = MedianOf(back);
+    for (std::size_t s = 0; s < at.size(); ++s)
+        if (!match[s].isOriented && far[s] > spacing + mostDetour * back[s])
+            share[s] = 0;
+}
+
 /// The sums of a least-squares problem in the coefficients of x, y and z.
 class NormalEquations {
   public:
@@ -137,7 +171,7 @@ double MeanOfMost(std::vector<double> far) {
     return sum / double(count);
 }
 
-SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, double *misfit) {
+SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *report) {
     const std::size_t places = goal.place.size();
     Eigen::AlignedBox3d box;
     for (const Eigen::Vector3d &each : goal.place)
@@ -147,7 +181,7 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, double *misfi
     SmoothWarp warp;
     std::vector<Eigen::Vector3d> at = goal.place, normal = goal.normal;
     std::vector<WarpMatch> match(places);
-    std::vector<double> far(places), found;
+    std::vector<double> far(places), share(places), found; // share: how much each match counts, but for its distance
     for (int degree = 1; degree <= goal.degree; ++degree) {
         warp = SmoothWarp(middle, radius, degree);
         const Eigen::Index n = warp.Size();
@@ -180,29 +214,25 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, double *misfi
                     far[s] = (match[s].point - at[s]).norm();
                 }
             });
+            for (std::size_t s = 0; s < places; ++s)
+                share[s] = far[s] <= goal.farthest ? goal.weight[s] * match[s].weight * SideOf(normal[s], match[s]) : 0;
+            LeaveOutDetours(at, match, far, progress.threads, share);
             found.clear();
             for (std::size_t s = 0; s < places; ++s)
-                if (match[s].weight > 0 && far[s] <= goal.farthest)
+                if (share[s] > 0)
                     found.push_back(far[s]);
             const double width = std::max(2 * MedianOf(found), 1e-5);
             NormalEquations sums(n);
             double counted = 0;
             for (std::size_t s = 0; s < places; ++s) {
-                double cosine = normal[s].dot(match[s].normal);
-                if (!match[s].isOriented)
-                    cosine = std::abs(cosine);
-                const bool hasSides = !match[s].normal.isZero(0) && !normal[s].isZero(0);
-                const double side =
-                    hasSides ? std::clamp((cosine - anotherSide) / (sameSide - anotherSide), 0.0, 1.0) : 1;
-                const double robust = 1 / (1 + (far[s] / width) * (far[s] / width));
-                const double weight =
-                    far[s] <= goal.farthest ? goal.weight[s] * match[s].weight * side * robust * robust : 0;
-                if (!(weight > 0))
+                if (!(share[s] > 0))
                     continue;
+                const double robust = 1 / (1 + (far[s] / width) * (far[s] / width));
+                const double weight = share[s] * robust * robust;
                 counted += weight;
                 const double beside = degree == 1 ? alongFirst : along;
                 Eigen::Matrix3d form = Eigen::Matrix3d::Identity();
-                if (hasSides) {
+                if (HasSides(normal[s], match[s])) {
                     const Eigen::Vector3d mean =
                         (match[s].normal + (normal[s].dot(match[s].normal) < 0 ? -1 : 1) * normal[s])
                             .stableNormalized();
@@ -233,8 +263,8 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, double *misfi
                 break;
         }
     }
-    if (misfit)
-        *misfit = MeanOfMost(far);
+    if (report)
+        *report = {MeanOfMost(far), std::move(share)};
     return warp;
 }
 

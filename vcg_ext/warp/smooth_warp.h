@@ -64,10 +64,16 @@ struct WarpGoal {
     double farthest = std::numeric_limits<double>::infinity();      ///< a match that is farther does not count
 };
 
+/// How a warp lies on what it was fitted to.
+struct WarpReport {
+    double misfit = 0;         ///< mean distance of the nearest four fifths
+    std::vector<double> share; ///< of each place: how much its match counts, [0, 1]
+};
+
 /// The warp that takes places onto their counterparts, which are found anew in each step, from stiff (degree 1) to
 /// soft: point to plane, with robust weights (Geman and McClure 1987). The more noise is left, the less it bends.
-/// \param misfit if given: the mean distance of the nearest four fifths \throw Cancelled
-SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress = {}, double *misfit = nullptr);
+/// \throw Cancelled
+SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress = {}, WarpReport *report = nullptr);
 
 /// The mean over the least four fifths.
 double MeanOfMost(std::vector<double> far);
