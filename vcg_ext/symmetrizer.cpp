@@ -97,7 +97,7 @@ template <class GoalIn>
 MirrorPlane BestPlane(const std::vector<MirrorPlane> &planes, const GoalIn &goalIn, bool &isSure,
                       const Progress &progress) {
     struct Tried {
-        double misfit = 0;
+        WarpReport fit;
         MirrorPairs pairs; // places, and their counterparts
     };
     std::vector<Tried> all(planes.size());
@@ -109,12 +109,12 @@ MirrorPlane BestPlane(const std::vector<MirrorPlane> &planes, const GoalIn &goal
         goal.normal = Some(goal.normal, roughPlaces);
         goal.weight = Some(goal.weight, roughPlaces);
         goal.degree = roughDegree;
-        const SmoothWarp warp = FitWarp(goal, progress.Slice(double(i) / n, (double(i) + 1) / n), &all[i].misfit);
+        const SmoothWarp warp = FitWarp(goal, progress.Slice(double(i) / n, (double(i) + 1) / n), &all[i].fit);
         for (const Eigen::Vector3d &place : goal.place)
             all[i].pairs.emplace_back(place, planes[i](warp.At(place)));
-        least = std::min(least, all[i].misfit);
+        least = std::min(least, all[i].fit.misfit);
     }
-    const auto isGood = [&](const Tried &each) { return each.misfit <= sureBy * std::max(least, perfect); };
+    const auto isGood = [&](const Tried &each) { return each.fit.misfit <= sureBy * std::max(least, perfect); };
     const Tried &best = *std::find_if(all.begin(), all.end(), isGood);
     const auto isOther = [&](const Tried &each) { // one that leads to other counterparts
         double squares = 0;

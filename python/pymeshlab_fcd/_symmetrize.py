@@ -264,6 +264,9 @@ def _words(made: Symmetrized, folded: int, diagonal: float) -> list[Told]:
     if not told.is_sure:
         found.append((SymmetryWarning, "The surface is nearly as much like its mirror image in another plane: look at the plane, and give "
                                        "pairs, a midline or the plane itself where it is the wrong one."))
+    if told.after > told.before:
+        found.append((SymmetryWarning, "The result is farther from its mirror image than the surface was: the plane is hardly the right one. "
+                                       "Give pairs, a midline or another plane."))
     if told.matched < 0.3:  # then most of the shape is a guess
         found.append((SymmetryWarning, f"Only {100 * told.matched:.3g} percent of the surface have a counterpart on the other side: do not "
                                        "trust the rest. Give pairs or a midline."))

@@ -123,6 +123,26 @@ def test_the_good_side_is_mirrored_over_a_missing_one():
     assert (belongs[len(kept):, 0] > 0).mean() > 0.9
 
 
+@pytest.mark.parametrize("side, radius", [(1, 0.5), (-1, 0.5), (-1, 0.4)])
+def test_a_missing_ear_does_not_hide_the_plane(side, radius):
+    """In a ball that is nearly round, a sheared one is as much like its mirror image in many planes before it is warped."""
+    at, faces = directions()
+    bumps = [(0.8, 0.1, 0.6, 0.2), (-0.8, 0.1, 0.6, 0.2), (0, 0.9, 0.3, 0.25), (0, 0.7, -0.7, 0.2), (0, -0.8, 0.5, -0.2), (0.4, 0.8, 0.5, -0.1), (-0.4, 0.8, 0.5, -0.1)]
+    ball = at * (1 + sum(height * np.exp(-8 * ((at - middle) ** 2).sum(1)) for *middle, height in bumps))[:, None]
+    ball = np.stack([0.8 * ball[:, 0] + 0.08 * ball[:, 1], ball[:, 1], ball[:, 2]], 1)
+    kept = np.linalg.norm(ball - [0.8 * side, 0.1, 0.6], axis=1) > radius
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        made = symmetrize(ball[kept], (np.cumsum(kept) - 1)[faces[kept[faces].all(1)]]).symmetry
+    assert abs(made.plane[1][0]) > 0.99 and made.after < 0.05 * made.before
+
+
+def test_a_plane_beside_the_surface_is_told():
+    at, faces = directions(40, 60)
+    with pytest.warns(DeformationWarning, match="farther from its mirror image than the surface was: the plane is hardly the right one"):
+        symmetrize(skull(at, 3), faces, plane=[[0.6, 0, 0], [1, 0, 0]])
+
+
 def test_what_does_not_count_is_carried():
     truth = skull(AT, 6)
     grown = np.exp(-((AT - [0.8, 0, 0.6]) ** 2).sum(1) / 0.04)

@@ -43,13 +43,14 @@ namespace {
 // Directions that are tried: 13 degrees from each other, so that one is within 7 of any plane; matching finds it from
 // 20 degrees away where a shape is not round.
 constexpr int directions = 200;
-constexpr std::size_t few = 300, tried = 10; // places that tell which to try, and how many of them are tried
-constexpr int steps = 60;                    // of matching, at most
-constexpr double rest = 1e-5;                // a step that turns and shifts it by less has arrived
-// Two planes are the same one when their normals are nearer than this: 15 degrees.
-constexpr double same = 0.966;
-// A plane whose misfit is so many times that of the best one may be the right one: the best one may be a chance where
-// what was bent fits nowhere well.
+constexpr std::size_t few = 300; // places that tell which to try
+constexpr int steps = 60;        // of matching, at most
+constexpr double rest = 1e-5;    // a step that turns and shifts it by less has arrived
+// Two planes are the same one when their normals are nearer than this: 15 degrees for those to start from, 5 for those
+// at rest, which are then as far from each other as a shear may turn them.
+constexpr double sameStart = 0.966, sameAtRest = 0.996;
+// A plane whose misfit is so many times that of the best one may be the right one, before and after matching: the best
+// one may be a chance where what was bent fits nowhere well, or a round shape fits nearly everywhere.
 constexpr double nearly = 2.5, asGood = 1e-4; // nearer than this, of the diagonal, both are as good as perfect
 
 struct Mirrored {
@@ -140,13 +141,13 @@ std::vector<MirrorPlane> FindPlanes(const std::vector<Eigen::Vector3d> &points,
     }
     const auto isBetter = [](const Candidate &a, const Candidate &b) { return a.misfit < b.misfit; };
     std::stable_sort(all.begin(), all.end(), isBetter);
-    const auto isSame = [](const Candidate &a, const Candidate &b) {
-        return std::abs(a.plane.normal.dot(b.plane.normal)) > same;
+    const auto isAmong = [](const std::vector<Candidate> &list, const Candidate &a, double same) {
+        return std::any_of(list.begin(), list.end(),
+                           [&](const Candidate &b) { return std::abs(a.plane.normal.dot(b.plane.normal)) > same; });
     };
     std::vector<Candidate> best; // those that are best, and no neighbours of better ones
     for (const Candidate &each : all)
-        if (best.size() < tried &&
-            std::none_of(best.begin(), best.end(), [&](const Candidate &other) { return isSame(each, other); }))
+        if (each.misfit <= nearly * std::max(all[0].misfit, asGood) && !isAmong(best, each, sameStart))
             best.push_back(each);
     for (std::size_t i = 0; i < best.size(); ++i)
         best[i] = AtRest(best[i].plane, someOf, normalOf, surface,
@@ -155,8 +156,7 @@ std::vector<MirrorPlane> FindPlanes(const std::vector<Eigen::Vector3d> &points,
     std::vector<MirrorPlane> planes;
     std::vector<Candidate> told; // starts may come to rest in one plane
     for (const Candidate &each : best)
-        if (each.misfit <= nearly * std::max(best[0].misfit, asGood) &&
-            std::none_of(told.begin(), told.end(), [&](const Candidate &other) { return isSame(each, other); })) {
+        if (each.misfit <= nearly * std::max(best[0].misfit, asGood) && !isAmong(told, each, sameAtRest)) {
             told.push_back(each);
             planes.push_back(each.plane);
         }
