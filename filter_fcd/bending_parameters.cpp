@@ -46,12 +46,18 @@ void askElastic(Fields &fields, bool &elastic) {
         fields.field("elastic", elastic, Shown::Advanced, elasticText());
 }
 
+void askRigidity(Fields &fields, double &rigidity) {
+    if (host::scriptsMayLackParameters)
+        fields.field("rigidity", rigidity, Shown::Advanced, rigidityText());
+}
+
 void askBending(Fields &fields, vcg::fcd::DeformationParam &deformation, bool all) {
     using vcg::fcd::GraphWeights;
     using vcg::fcd::PatchMeasure;
     askSmoothness(fields, deformation.smoothness, Shown::Always);
     askFalloff(fields, deformation.falloff);
     askElastic(fields, deformation.elastic);
+    askRigidity(fields, deformation.rigidity);
     fields.field("max_iterations", deformation.maxIterations, Shown::Advanced, "Maximum iterations",
                  "The shape is improved until it converges, at most this often. <b>Raise it</b> when the log says that "
                  "it did not converge. A converged result does not change.");

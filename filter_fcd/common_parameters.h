@@ -26,6 +26,7 @@ void askSmoothness(Fields &fields, double &smoothness, host::Shown shown = host:
 // Where scripts may lack them.
 void askFalloff(Fields &fields, vcg::fcd::Falloff &falloff);
 void askElastic(Fields &fields, bool &elastic);
+void askRigidity(Fields &fields, double &rigidity);
 /// All but the graph, and what is measured. \param all also what a filter may lack where scripts may not
 void askBending(Fields &fields, vcg::fcd::DeformationParam &deformation, bool all);
 

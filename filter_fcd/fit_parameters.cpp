@@ -76,11 +76,7 @@ void ask(Fields &fields, FitMeshParam &param) {
         "tried turned by its axes, and scaled, and the log says which.");
     askStiffness(fields, fit);
     if (fields.hasNewer("rigidity"))
-        fields.field("rigidity", fit.rigidity, Shown::Advanced, "Rigidity (1 rigid, 0 smooth)",
-                     "How much of the stiffness is against stretching. <b>1</b> (the default): as rigid as possible, "
-                     "for what bends, as bodies do. <b>0</b>: smooth, for what is sheared, scaled or grown all over, "
-                     "as one skull to another; only a change of the map from place to place costs, as in a thin-plate "
-                     "spline. What turns far needs rigidity.");
+        fields.field("rigidity", fit.rigidity, Shown::Advanced, rigidityText());
     askLargestDistance(fields, fit.largestDistance,
                        "What is farther from the target, in world units, has no counterpart and is carried along. "
                        "<b>0</b> (the default): no limit; the distances tell what is too far. <b>Lower it</b> where "

@@ -41,6 +41,7 @@ void ask(Fields &fields, SequenceParam &param) {
     askSmoothness(fields, param.deformation.smoothness, Shown::Always);
     askFalloff(fields, param.deformation.falloff);
     askElastic(fields, param.deformation.elastic);
+    askRigidity(fields, param.deformation.rigidity);
     askRandomSeed(fields, param.deformation.graph);
     askTags(fields, param.handles);
     if (!fields.areRead())

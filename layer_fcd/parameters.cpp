@@ -90,6 +90,7 @@ vcg::fcd::DeformationParam asHandedOver(vcg::fcd::DeformationParam param) {
     const auto round = [](double &number) { number = asTyped(number); };
     round(param.graph.targetRadius);
     round(param.smoothness);
+    round(param.rigidity);
     round(param.tolerance);
     round(param.influence);
     round(param.pose);
@@ -112,6 +113,15 @@ ParameterText elasticText() {
             {},
             "What bends keeps its volume: a limb that is squeezed gets thicker, one that is pulled gets thinner, and a "
             "bend does not lose any. Each connected part keeps its own. A cloud and an open sheet have none."};
+}
+
+ParameterText rigidityText() {
+    return {"Rigidity (1 rigid, 0 smooth)",
+            {},
+            "How much of the stiffness is against stretching. <b>1</b> (the default): as rigid as possible, for what "
+            "bends, as bodies do. <b>0</b>: smooth, for what is sheared, scaled or grown all over, as one skull to "
+            "another; only a change of the map from place to place costs, as in a thin-plate spline. What turns far "
+            "needs rigidity."};
 }
 
 ParameterText weightsText() {

@@ -261,7 +261,8 @@ struct ParameterText {
 
 /// That of "weights"; its values stand in the order of vcg::fcd::MappingWeights.
 ParameterText weightsText();
-ParameterText falloffText(); ///< of DeformerParam::falloff
-ParameterText elasticText(); ///< of DeformerParam::elastic
+ParameterText falloffText();  ///< of DeformerParam::falloff
+ParameterText elasticText();  ///< of DeformerParam::elastic
+ParameterText rigidityText(); ///< of SolverParam::rigidity, and of FitParam's
 
 #endif

@@ -47,6 +47,8 @@ vcg::fcd::DeformationParam paramOf(const nb::dict &given) {
         param.falloff = Falloff(whole("falloff"));
     if (given.contains("elastic")) // as that
         param.elastic = nb::cast<bool>(given["elastic"]);
+    if (given.contains("rigidity")) // as that
+        param.rigidity = number("rigidity");
     param.weights = MappingWeights(whole("weights"));
     param.looseParts = LooseParts(whole("loose_parts"));
     param.influence = number("influence");

@@ -22,7 +22,7 @@ void fieldsOf(vcg::fcd::HeldMotions &given, const Take &take) {
 template <class Take>
 void fieldsOf(vcg::fcd::GraphPose &pose, const Take &take) {
     take(pose.position, pose.linear, pose.energy, pose.nodeEnergy, pose.rests, pose.iterations, pose.converged,
-         pose.moves, pose.followed, pose.unstable);
+         pose.moves, pose.followed, pose.unstable, pose.affine);
 }
 template <class Take>
 void fieldsOf(vcg::fcd::RegionPose &pose, const Take &take) {
@@ -54,7 +54,7 @@ class StateWriter {
         (put(value), ...);
     }
 
-    static constexpr const char *mark = "fcd pose 2\n";
+    static constexpr const char *mark = "fcd pose 3\n";
 
   private:
     void raw(const void *data, std::size_t size) { text.append(static_cast<const char *>(data), size); }

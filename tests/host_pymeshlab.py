@@ -23,7 +23,7 @@ DEFORM_DEFAULTS = {
     "handles": 0, "tag_attribute": "fcd_tag", "tag_file": "", "transform_file": "", "transforms": "", "point_handles_file": "",
     "translation": [0, 0, 0], "rotation_axis": [0, 0, 1], "rotation_angle": 0, "rotation_center": 0, "rotation_point": [0, 0, 0],
     "transformmatrix": np.eye(4), "handle_layer": 0, "use_graph_layer": False, "graph_layer": 0, "target_radius": 0, "initial_patches": 0,
-    "random_seed": 1, "smoothness": 0.0058, "falloff": 0, "elastic": False, "max_iterations": 1000, "tolerance": 1e-5, "graph_weights": 0, "weights": 0, "influence": 4,
+    "random_seed": 1, "smoothness": 0.0058, "falloff": 0, "elastic": False, "rigidity": 1, "max_iterations": 1000, "tolerance": 1e-5, "graph_weights": 0, "weights": 0, "influence": 4,
     "loose_parts": 0, "weld_distance": 1e-6, "pose": 100, "pose_steps": 1, "graph_layers": True, "deformed_quality": 0, "displacement": False, "stop_at_contact": False}
 OF_LAYERS = {"use_graph_layer", "graph_layer", "graph_layers", "deformed_quality", "displacement", "stop_at_contact"}
 POSE_DEFAULTS = {**{name: value for name, value in DEFORM_DEFAULTS.items() if name not in OF_LAYERS}, "exact_normals": True, "contact": False}
@@ -487,6 +487,21 @@ def test_a_squeezed_limb_gets_thicker_and_the_log_says_where_nothing_can(capfd):
     ms.add_mesh(pymeshlab.Mesh(np.column_stack([x, y, 0 * x]), v_scalar_array=np.where(x < 3, 0.0, np.where(x > 16, 2.0, 1.0))))
     _, log = deform_logged(ms, capfd, transforms="2: translate 0 0 3", elastic=True)
     assert "1 part of what bends encloses no volume that 'elastic' could keep" in log
+
+
+def test_landmarks_of_what_was_sheared_lead_it_without_rigidity(tmp_path, capfd):
+    off = []
+    for rigidity in (1.0, 0.0):
+        ms = slender()
+        at = ms.current_mesh().vertex_matrix()
+        sheared = at @ [[1, 0, 0], [0.3, 1.1, 0], [0.1, -0.2, 0.9]]
+        set_quality(ms, "1")
+        points = np.arange(0, len(at), 61)
+        file = point_file(tmp_path / "points.csv", "index", points, at[points], sheared[points])
+        result, _ = deform_logged(ms, capfd, point_handles_file=file, rigidity=rigidity)
+        assert result["converged"]
+        off.append(np.abs(ms.current_mesh().vertex_matrix() - sheared).max())
+    assert off[1] < 1e-6 < 1e-2 < off[0]
 
 
 def test_the_log_says_where_there_are_too_few_patches(capfd):
@@ -1350,6 +1365,9 @@ ERRORS = {
     "not a number": (dict(translation=np.array([np.nan, 0, 0])), QUALITY_TAGS, "finite"),
     "no patches": (dict(initial_patches=-1), QUALITY_TAGS, "patches"),
     "negative radius": (dict(target_radius=absolute(-1.0)), QUALITY_TAGS, "radius"),
+    "a rigidity of 2": (dict(rigidity=2.0), QUALITY_TAGS, "rigidity must be from 0 to 1"),
+    "elastic and not rigid": (dict(rigidity=0.0, elastic=True), QUALITY_TAGS, "take one of them"),
+    "the paper to the letter and not rigid": (dict(rigidity=0.0, graph_weights=3), QUALITY_TAGS, "take other graph weights"),
     "negative smoothness": (dict(smoothness=-1.0), QUALITY_TAGS, "smoothness"),
     "influence too small": (dict(influence=0.5), QUALITY_TAGS, "influence"),
     "no iterations": (dict(max_iterations=0), QUALITY_TAGS, "iterations"),

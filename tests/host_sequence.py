@@ -17,7 +17,7 @@ from glb import Glb, png  # noqa: E402
 SEQUENCE = "generate_fcd_pose_sequence"
 DEFAULTS = {
     "poses_file": "", "frames_per_second": 24, "frame_layers": 1, "gltf_file": "", "gltf_shapes": 0, "all_visible": False, "pc2_file": "", "save_poses_file": "",
-    "initial_patches": 0, "smoothness": 0.0058, "falloff": 0, "elastic": False, "random_seed": 1, "handles": 0, "tag_attribute": "fcd_tag", "tag_file": ""}
+    "initial_patches": 0, "smoothness": 0.0058, "falloff": 0, "elastic": False, "rigidity": 1, "random_seed": 1, "handles": 0, "tag_attribute": "fcd_tag", "tag_file": ""}
 RETURNS = {
     "fixed_vertices": int, "handle_vertices": int, "free_vertices": int, "outside_vertices": int, "poses": int, "key_frames": int,
     "frames": int, "layers": int, "largest_difference": float, "folded_triangles": int, "contact_frames": int, "contact_triangles": int, "contact_depth": float, "nodes": int, "converged": bool, "jumps": bool,

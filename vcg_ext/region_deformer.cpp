@@ -21,6 +21,12 @@ void DeformationParam::Validate() const {
         throw BadInput("The tolerance must be a positive, finite number.");
     if (!(influence > 1) || std::isinf(influence))
         throw BadInput("The influence must be a finite number above 1: each node has to reach beyond its own patch.");
+    if (!(rigidity >= 0 && rigidity <= 1))
+        throw BadInput("The rigidity must be from 0 to 1.");
+    if (rigidity < 1 && elastic)
+        throw BadInput("A rigidity below 1 lets the surface stretch, and elastic keeps its volume; take one of them.");
+    if (rigidity < 1 && graphWeights == GraphWeights::Printed)
+        throw BadInput("A rigidity below 1 is none of the method as printed; take other graph weights.");
     if (!std::isfinite(pose))
         throw BadInput("The pose must be a finite number of percent.");
     if (steps < 1 || steps > 1000)
@@ -115,7 +121,7 @@ RegionPose RegionDeformer::Solve(HeldMotions motions, const SolverParam &solver,
     for (const auto &each : pose.given.motion)
         pose.motion[each.first] = surface.frame.ToFrame(each.second);
     NodeConstraints given = ConstraintsOf(pose);
-    const std::shared_ptr<const System> system = SystemOf(given, progress.Slice(0, 0));
+    const std::shared_ptr<const System> system = SystemOf(given, solver, progress.Slice(0, 0));
     pose.solved = system->parts.Solve(given, StepsOf(solver), progress, last ? &last->solved : nullptr,
                                       last ? last->nodeMotion : std::vector<Eigen::Affine3d>());
     pose.iterations = pose.solved.iterations;
@@ -124,10 +130,10 @@ RegionPose RegionDeformer::Solve(HeldMotions motions, const SolverParam &solver,
     for (Index j = 0; j < graph.Size(); ++j)
         hasMotion[j] = given.constrained[j] && !given.compliant[j];
     const auto fit = [&](GraphPose &fitted) {
-        if (beyond.linearMaps)
+        if (beyond.linearMaps && !fitted.affine)
             FitLinear(graph, hasMotion, fitted, param.shape.openness);
     };
-    if (volume)
+    if (volume && !pose.graph.affine) // that stretches as it is to
         pose.volumeOff = volume->Keep(graph, system->parts, *mapping, pose.motion, fit, pose.graph);
     fit(pose.graph);
     for (Index j = 0; j < graph.Size(); ++j) {
@@ -146,7 +152,8 @@ RegionPose RegionDeformer::Solve(HeldMotions motions, const SolverParam &solver,
 RegionPose RegionDeformer::SolveAlong(const Way &way, const SolverParam &solver, int least, const Pose *begin,
                                       const Progress &progress) const {
     HeldMotions end = way(1, 1);
-    const int turns = beyond.steps ? StepsTo(end, begin ? &begin->given : nullptr) : 1, steps = std::max(least, turns);
+    const bool isWay = beyond.steps && solver.rigidity > 0; // at 0, the pose does not depend on it
+    const int turns = isWay ? StepsTo(end, begin ? &begin->given : nullptr) : 1, steps = std::max(least, turns);
     std::vector<HeldMotions> motions;
     for (int step = 1; step < steps; ++step)
         motions.push_back(way(step, steps));
@@ -216,19 +223,25 @@ int RegionDeformer::StepsTo(const HeldMotions &motions, const HeldMotions *begin
     return int(std::min(std::max(steps, 1.0), 1000.0));
 }
 
-RegionDeformer::System::System(const RegionDeformer &deformer, const NodeConstraints &given, const Progress &progress)
-    : compliant(given.compliant),
-      parts(deformer.graph, deformer.graph.area, given, deformer.param.shape.heldDepth, progress) {}
+RegionDeformer::System::System(const RegionDeformer &deformer, const NodeConstraints &given, const SolverParam &solver,
+                               const Progress &progress)
+    : compliant(given.compliant), numbers(NumbersOf(solver)),
+      parts(deformer.graph, deformer.graph.area, given, deformer.param.shape.heldDepth, progress, solver) {}
 
-std::shared_ptr<const RegionDeformer::System> RegionDeformer::SystemOf(const NodeConstraints &given,
-                                                                       const Progress &progress) const {
+/// With a rigidity of 1 it depends on none.
+std::array<double, 2> RegionDeformer::System::NumbersOf(const SolverParam &solver) {
+    return {solver.rigidity, solver.rigidity < 1 ? solver.smoothness : 0};
+}
+
+std::shared_ptr<const RegionDeformer::System>
+RegionDeformer::SystemOf(const NodeConstraints &given, const SolverParam &solver, const Progress &progress) const {
     std::unique_lock<std::mutex> guard(lock, std::defer_lock);
     while (!guard.try_lock()) { // another thread is about to make it
         progress(0, "Deforming the graph");
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
-    if (!latest || latest->compliant != given.compliant)
-        latest = std::make_shared<const System>(*this, given, progress);
+    if (!latest || latest->compliant != given.compliant || latest->numbers != System::NumbersOf(solver))
+        latest = std::make_shared<const System>(*this, given, solver, progress);
     return latest;
 }
 

@@ -135,11 +135,14 @@ class RegionDeformer : public MovingRegion {
     const std::vector<std::size_t> &Points() const { return point; }
 
   private:
-    /// The factorised systems, for one set of compliant nodes.
+    /// The factorised systems, for one set of compliant nodes, and for what else they depend on.
     struct System {
         std::vector<bool> compliant;
+        std::array<double, 2> numbers; // of NumbersOf
         PartsDeformer parts;
-        System(const RegionDeformer &deformer, const NodeConstraints &given, const Progress &progress);
+        System(const RegionDeformer &deformer, const NodeConstraints &given, const SolverParam &solver,
+               const Progress &progress);
+        static std::array<double, 2> NumbersOf(const SolverParam &solver);
     };
 
     /// A pose from rest, and all that it depends on.
@@ -167,7 +170,8 @@ class RegionDeformer : public MovingRegion {
     NodeConstraints ConstraintsOf(const Pose &pose) const;
     /// \p solver, without what goes beyond the paper where that is not asked for.
     SolverParam StepsOf(SolverParam solver) const;
-    std::shared_ptr<const System> SystemOf(const NodeConstraints &given, const Progress &progress) const;
+    std::shared_ptr<const System> SystemOf(const NodeConstraints &given, const SolverParam &solver,
+                                           const Progress &progress) const;
 
     std::vector<std::size_t> point; // as of ReadRegion
     DeformerParam param;

@@ -34,6 +34,7 @@ def deform(
     smoothness: float = 0.0058,
     falloff: Falloff = "smooth",
     elastic: bool = False,
+    rigidity: float = 1.0,
     patches: int = 0,
     target_radius: float = 0.0,
     seed: int = 1,
@@ -76,6 +77,8 @@ def deform(
         How the motion of a handle fades.
     elastic : bool, default False
         What bends keeps its volume.
+    rigidity : float, default 1.0
+        1: as rigid as possible, 0: as a thin-plate spline, for what is sheared or grown.
     patches : int, default 0
         How many patches to begin with; 0: as many as the surface is worth, 100 to 1500.
     target_radius : float, default 0.0
@@ -125,7 +128,7 @@ def deform(
         What is probably not meant: nothing moves, flipped triangles, the shape did not converge.
     """
     return _posed(vertices, faces, tags, transforms, landmarks, percent, steps, progress, points, dict(
-        smoothness=smoothness, falloff=falloff, elastic=elastic, patches=patches, target_radius=target_radius, seed=seed, nodes=nodes, graph_weights=graph_weights,
+        smoothness=smoothness, falloff=falloff, elastic=elastic, rigidity=rigidity, patches=patches, target_radius=target_radius, seed=seed, nodes=nodes, graph_weights=graph_weights,
         distances=renamed_weights(distances, weights, 3), influence=influence, loose_parts=loose_parts, weld_distance=weld_distance,
         max_iterations=max_iterations, tolerance=tolerance, threads=threads))._vertices.given_away()
 
@@ -143,6 +146,7 @@ def deformation(
     smoothness: float = 0.0058,
     falloff: Falloff = "smooth",
     elastic: bool = False,
+    rigidity: float = 1.0,
     patches: int = 0,
     target_radius: float = 0.0,
     seed: int = 1,
@@ -186,6 +190,8 @@ def deformation(
         How the motion of a handle fades.
     elastic : bool, default False
         What bends keeps its volume.
+    rigidity : float, default 1.0
+        1: as rigid as possible, 0: as a thin-plate spline, for what is sheared or grown.
     patches : int, default 0
         How many patches to begin with; 0: as many as the surface is worth, 100 to 1500.
     target_radius : float, default 0.0
@@ -239,7 +245,7 @@ def deformation(
     """
     told, least = shared(progress), _inputs.accuracy(accuracy)
     pose = _posed(vertices, faces, tags, transforms, landmarks, percent, steps, report(told, 0, 60), points, dict(
-        smoothness=smoothness, falloff=falloff, elastic=elastic, patches=patches, target_radius=target_radius, seed=seed, nodes=nodes, graph_weights=graph_weights,
+        smoothness=smoothness, falloff=falloff, elastic=elastic, rigidity=rigidity, patches=patches, target_radius=target_radius, seed=seed, nodes=nodes, graph_weights=graph_weights,
         distances=renamed_weights(distances, weights, 3), influence=influence, loose_parts=loose_parts, weld_distance=weld_distance,
         max_iterations=max_iterations, tolerance=tolerance, threads=threads))
     return pose._deformation(report(told, 60, 100), 3, least)

@@ -177,6 +177,10 @@ class Deformer(Unchanging):
     elastic : bool, default False
         Each connected part of what is free keeps its volume, to a thousandth: what is squeezed gets thicker, what is pulled thinner. A cloud
         and an open sheet have none, which a VolumeWarning says.
+    rigidity : float, default 1.0
+        How much of the stiffness is against stretching, 0 to 1. 1: as rigid as possible, for what bends, as bodies do. 0: smooth, for what is
+        sheared, scaled or grown all over, as one skull to another by its landmarks; only a change of the map from place to place costs, as in
+        a thin-plate spline. Large turns need rigidity. Below 1 there is no `elastic` and no `graph_weights="printed"`.
     patches : int, default 0
         How many patches to begin with; more let the deformation bend in finer detail (k0 of sec. 2.1). 0: as many as the surface is
         worth, whatever its number of vertices: some 300 for most, 100 where little bends, up to 1500 where it is thin, folded or torn.
@@ -240,6 +244,7 @@ class Deformer(Unchanging):
         smoothness: float = 0.0058,
         falloff: Falloff = "smooth",
         elastic: bool = False,
+        rigidity: float = 1.0,
         patches: int = 0,
         target_radius: float = 0.0,
         seed: int = 1,
@@ -274,6 +279,7 @@ class Deformer(Unchanging):
             "smoothness": _inputs.number("smoothness", smoothness),
             "falloff": _inputs.choice("falloff", falloff, ("smooth", "linear", "sharp", "constant")),
             "elastic": _inputs.flag("elastic", elastic),
+            "rigidity": _inputs.number("rigidity", rigidity),
             "max_iterations": _inputs.whole("max_iterations", max_iterations, 1),
             "tolerance": _inputs.number("tolerance", tolerance),
             "nodes": None if nodes is None else _inputs.finite("nodes", _inputs.rows("nodes", nodes)),

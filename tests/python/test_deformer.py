@@ -163,6 +163,23 @@ def test_what_is_elastic_keeps_its_volume():
         kept.pose({2: Motion.translate([60, 0, 0])}).info
 
 
+def test_landmarks_of_what_was_sheared_lead_it_without_rigidity():
+    vertices, faces, _, _ = bar()
+    points = np.arange(0, len(vertices), 101)
+    sheared = vertices @ [[1, 0, 0], [0.3, 1.1, 0], [0.1, -0.2, 0.9]] + [1, 2, 3]
+
+    def off(truth, rigidity):
+        pose = Deformer(vertices, faces, points=points, rigidity=rigidity).pose(landmarks=truth[points])
+        assert pose.info.converged
+        return np.linalg.norm(pose.vertices - truth, axis=1).max() / np.linalg.norm(np.ptp(vertices, 0))
+
+    assert off(sheared, 0) < 1e-7 < 1e-3 < min(off(sheared, 0.1), off(sheared, 1))
+    bent = sheared + 0.02 * (sheared[:, :1] - 5)**2 * [0, 0, 1]
+    assert off(bent, 0) < 0.5 * off(bent, 1)
+    one, two = (Deformer(vertices, faces, points=points, rigidity=0, threads=threads).pose(landmarks=bent[points]).vertices for threads in (1, 3))
+    assert same(one, two)
+
+
 @pytest.mark.parametrize("as_given", [
     lambda v, f, t: (v.astype(">f8"), f.astype(">i4"), t.astype(">i2")), lambda v, f, t: (np.asfortranarray(v), np.asfortranarray(f), t.astype(float)),
     lambda v, f, t: (np.repeat(v, 2, 0)[::2], f.astype(np.uint64), np.repeat(t, 3)[::3]), lambda v, f, t: (v.tolist(), f.tolist(), t.tolist()),

@@ -104,7 +104,8 @@ def filtered(vertices, faces, tags, **parameters):
     ({}, {}), (dict(patches=100), dict(initial_patches=100)), (dict(smoothness=0.05, tolerance=1e-4), dict(smoothness=0.05, tolerance=1e-4)),
     (dict(percent=40), dict(pose=40.0)), (dict(steps=3), dict(pose_steps=3)), (dict(seed=5, max_iterations=30), dict(random_seed=5, max_iterations=30)),
     (dict(graph_weights="uniform", distances="euclidean"), dict(graph_weights=1, weights=1)), (dict(graph_weights="paper"), dict(graph_weights=2)),
-    (dict(graph_weights="printed"), dict(graph_weights=3)), (dict(falloff="sharp"), dict(falloff=2)), (dict(elastic=True), dict(elastic=True)), (dict(influence=3, loose_parts="stay"), dict(influence=3.0, loose_parts=1)),
+    (dict(graph_weights="printed"), dict(graph_weights=3)), (dict(falloff="sharp"), dict(falloff=2)), (dict(elastic=True), dict(elastic=True)), (dict(rigidity=0), dict(rigidity=0.0)), (dict(rigidity=0.3), dict(rigidity=0.3)),
+    (dict(influence=3, loose_parts="stay"), dict(influence=3.0, loose_parts=1)),
     (dict(target_radius=0.4, weld_distance=1e-4), dict(target_radius=pymeshlab.PureValue(0.4), weld_distance=1e-4))])
 @pytest.mark.parametrize("cloud", [False, True])
 @pytest.mark.filterwarnings("ignore::pymeshlab_fcd.DeformationWarning")

@@ -41,7 +41,7 @@ def expect_same(pose, other):
 
 @pytest.mark.filterwarnings("ignore::pymeshlab_fcd.DeformationWarning")
 @pytest.mark.parametrize("given", [
-    dict(), dict(faces=None), dict(normals=VERTICES + 1), dict(copy=False), dict(graph_weights="printed", smoothness=0.01), dict(threads=1), dict(falloff="constant"), dict(elastic=True),
+    dict(), dict(faces=None), dict(normals=VERTICES + 1), dict(copy=False), dict(graph_weights="printed", smoothness=0.01), dict(threads=1), dict(falloff="constant"), dict(elastic=True), dict(rigidity=0.5),
     dict(tags=np.minimum(TAGS, 1), points=VERTICES[[700, 1400]] + 1e-3), dict(tags=np.minimum(TAGS, 1), points=[700, 1400])])
 def test_deformers_and_poses(given):
     deformer = Deformer(**{**dict(vertices=VERTICES, faces=FACES, tags=TAGS), **given})

@@ -110,6 +110,7 @@ TEST(Regions, AResultIsTheUnionOfTheirResults) {
     for (unsigned seed = 1; seed <= (sanitized ? 4 : 12); ++seed) {
         param.falloff = Falloff((seed - 1) % 4);
         param.elastic = seed % 3 == 0;
+        param.rigidity = seed % 3 == 1 ? 0 : seed % 12 == 2 ? 0.5 : 1;
         for (const Shape &shape : {Sphere(40, 40), Unwelded(Sphere(30, 30)), Tube(24, 60)})
             if (const Tagged each(shape, seed); each.HasWork())
                 compared += ExpectUnion(each, param);

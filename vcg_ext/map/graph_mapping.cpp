@@ -4,6 +4,7 @@
 #include <vcg_ext/map/mapping_candidates.h>
 #include <vcg_ext/map/constraint_blend.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -199,7 +200,10 @@ void GraphMapping::Posed::RunIntoHeld(Index node, int lane, bool linear, Scratch
         const ConstraintBlend::Held &held = mapping.constraintBlend->held[h];
         const Eigen::Affine3d &its = *heldMotion[held.index];
         const double share = held.share / total;
-        moved += share * (its * (rest + fromFrame * (strain * held.away).cast<double>()));
+        Eigen::Vector3f more = strain * held.away;
+        if (!unstretched.empty()) // what is held stretches, too: only what the surface does beyond that counts
+            more = unstretched[std::size_t(held.index)] * (more + held.away) - held.away;
+        moved += share * (its * (rest + fromFrame * more.cast<double>()));
         map += share * its.linear();
     }
     vertices.SetMoved(lane, moved);
@@ -215,6 +219,12 @@ GraphMapping::Posed::Posed(const GraphMapping &mapping, const GraphPose &pose,
         motion[tag] = each.matrix().isIdentity(0) ? each : Eigen::Affine3d(frame.FromFrame(each));
     for (Index t : mapping.constraintBlend->heldTag)
         heldMotion.push_back(&motion.at(t));
+    if (pose.affine)
+        for (Index t : mapping.constraintBlend->heldTag) {
+            const Eigen::Matrix3d &its = inFrame.at(t).linear();
+            const Eigen::Matrix3d back = (detail::RotationOf(its).transpose() * its).inverse();
+            unstretched.push_back((back.allFinite() ? back : Eigen::Matrix3d::Identity()).cast<float>());
+        }
     ParallelFor(threads, std::size_t(mapping.graph.Size()), 64, [&](std::size_t first, std::size_t last) {
         for (Index j = Index(first); j < Index(last); ++j) {
             SetOwn(j, pose, frame);

@@ -105,8 +105,9 @@ class GraphMapping {
         const GraphMapping &mapping;
         std::map<Index, Eigen::Affine3d> motion;         // of each held tag, mesh units
         std::vector<const Eigen::Affine3d *> heldMotion; // of each of constraintBlend.heldTag
-        std::vector<detail::PatchMotion> own;            // of each node
-        std::vector<Eigen::Matrix3f> nodeStrain;         // stretch minus identity
+        std::vector<Eigen::Matrix3f> unstretched; // of each: what takes back how it stretches; empty: not asked for
+        std::vector<detail::PatchMotion> own;     // of each node
+        std::vector<Eigen::Matrix3f> nodeStrain;  // stretch minus identity
         /// Of each candidate, about the patch's centre: columns of the 3 x 4 affine map by which it moves otherwise
         /// than the patch's node, the way to it, 1; in the frame.
         std::vector<float> term;

@@ -103,7 +103,7 @@ double DiscretisationError(const DeformationGraph &graph, const std::vector<doub
     }
     GraphPose found;
     try {
-        found = PartsDeformer(coarse.graph, areas, ofGroups, shape.heldDepth, progress.Slice(0, 0))
+        found = PartsDeformer(coarse.graph, areas, ofGroups, shape.heldDepth, progress.Slice(0, 0), solver)
                     .Solve(ofGroups, solver, progress, &begin, ofGroups.motion);
     } catch (const Unsolvable &) {
         return unknown;

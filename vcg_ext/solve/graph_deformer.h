@@ -10,6 +10,7 @@
 #include <vcg_ext/solve/graph_newton.h>
 #include <vcg_ext/solve/graph_pose.h>
 #include <vcg_ext/solve/graph_unknowns.h>
+#include <vcg_ext/solve/initial_guess.h>
 #include <vcg_ext/solve/solver_param.h>
 #include <vcg_ext/base/progress.h>
 #include <vcg_ext/base/rotation_fit.h>
@@ -70,7 +71,7 @@ class GraphDeformer {
         for (Index i = 0; i < k; ++i)
             if (unknown.constrained[i])
                 pose.linear[i] = motion[i].linear();
-        State state = InitialGuess(motion, last, lastMotion);
+        State state = detail::InitialGuess(graph, unknown, laplacian, motion, last, lastMotion);
         if (unknown.rotation.empty()) {
             pose.nodeEnergy.assign(k, 0);
         } else {
@@ -105,51 +106,6 @@ class GraphDeformer {
   private:
     using State = detail::GraphEnergy::State;
     using PoseTerms = detail::GraphEnergy::PoseTerms;
-
-    /// The motions of the constrained nodes since the last pose, interpolated by the bi-Laplacian. One motion of all is
-    /// met exactly.
-    State InitialGuess(const std::vector<Eigen::Affine3d> &motion, const GraphPose *last,
-                       const std::vector<Eigen::Affine3d> &lastMotion) const {
-        using Matrix34d = Eigen::Matrix<double, 3, 4>;
-        const Index k = graph.Size();
-        const Eigen::Matrix3Xd rest = graph.graph.position.cast<double>();
-        const Eigen::Matrix3Xd &before = last ? last->position : rest; // where the motions below begin
-        State state{rest, std::vector<Eigen::Matrix3d>(k, Eigen::Matrix3d::Identity()), {}, 0};
-        std::vector<Eigen::Matrix3d> &rotation = state.rotation;
-        if (last)
-            for (Index i = 0; i < k; ++i)
-                rotation[i] = detail::RotationOf(last->linear[i]);
-        // What the motions of the constrained nodes differ by from that of the first one. Without that, what they have
-        // in common would be as inexact as the solution where a node hardly hangs on the others.
-        Eigen::MatrixXd change = Eigen::MatrixXd::Zero(k, 12);
-        Matrix34d common = Matrix34d::Identity();
-        bool isFirst = true;
-        for (Index i = 0; i < k; ++i)
-            if (unknown.constrained[i]) {
-                state.position.col(i) = motion[i] * Eigen::Vector3d(rest.col(i));
-                const Eigen::Affine3d way = last ? motion[i] * lastMotion[i].inverse() : motion[i];
-                rotation[i] = last && unknown.compliant[i]
-                                  ? Eigen::Matrix3d(detail::RotationOf(way.linear()) * rotation[i])
-                                  : detail::RotationOf(motion[i].linear());
-                if (isFirst)
-                    common = way.matrix().topRows<3>();
-                isFirst = false;
-                const Matrix34d m = way.matrix().topRows<3>() - common;
-                change.row(i) = Eigen::Map<const Eigen::Matrix<double, 1, 12>>(m.data());
-            }
-        const Eigen::MatrixXd guess = laplacian.Interpolate(change);
-        for (std::size_t u = 0; u < unknown.position.size(); ++u) {
-            const Index i = unknown.position[u];
-            const Eigen::Matrix<double, 1, 12> row = guess.row(Eigen::Index(u));
-            const Matrix34d m = Eigen::Map<const Matrix34d>(row.data()) + common;
-            state.position.col(i) = m * before.col(i).homogeneous();
-            const Eigen::Matrix3d turn = detail::RotationOf(m.leftCols<3>());
-            rotation[i] = last ? Eigen::Matrix3d(turn * rotation[i]) : turn;
-        }
-        for (const Eigen::Matrix3d &r : rotation)
-            state.quaternion.push_back(detail::ToQuaternion(r));
-        return state;
-    }
 
     /// Brings \p state to rest near where it begins: by some steps downwards, where these soon end there, as they do
     /// where the shape is stable; otherwise to where the energy is stationary.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/solve/affine_deformer.h>
 #include <vcg_ext/solve/graph_deformer.h>
 #include <vcg_ext/solve/graph_parts.h>
 
@@ -74,10 +75,12 @@ struct PartsDeformer::Part {
     std::vector<Index> nodes;
     DeformationGraph graph;
     std::unique_ptr<GraphDeformer> deformer; // of that graph
+    std::unique_ptr<AffineDeformer> affine;  // instead, with a rigidity below 1
 };
 
 PartsDeformer::PartsDeformer(const DeformationGraph &graph, const std::vector<double> &area,
-                             const NodeConstraints &given, double heldDepth, const Progress &progress)
+                             const NodeConstraints &given, double heldDepth, const Progress &progress,
+                             const SolverParam &solver)
     : rest(graph.graph.position.cast<double>()) {
     for (Index i = 0; i < graph.Size(); ++i)
         isHeld.push_back(graph.IsHeld(i));
@@ -94,8 +97,12 @@ PartsDeformer::PartsDeformer(const DeformationGraph &graph, const std::vector<do
         }
         part->graph = PartOf(graph, nodes);
         part->nodes = std::move(nodes);
-        part->deformer =
-            std::make_unique<GraphDeformer>(part->graph, constrained, A, compliant, heldArea, heldDepth, progress);
+        if (solver.rigidity < 1)
+            part->affine = std::make_unique<AffineDeformer>(part->graph, constrained, A, compliant, heldArea, heldDepth,
+                                                            solver, progress);
+        else
+            part->deformer =
+                std::make_unique<GraphDeformer>(part->graph, constrained, A, compliant, heldArea, heldDepth, progress);
         parts.push_back(std::move(part));
     }
 }
@@ -152,9 +159,10 @@ GraphPose PartsDeformer::Solve(const NodeConstraints &given, const SolverParam &
             before.position.col(Eigen::Index(i)) = last->position.col(nodes[i]);
             before.linear.push_back(last->linear[nodes[i]]);
         }
-        const GraphPose found = parts[p]->deformer->Solve(
-            motion, param, progress.Slice(double(p) / double(parts.size()), double(p + 1) / double(parts.size())),
-            last ? &before : nullptr, motionBefore);
+        const Progress its = progress.Slice(double(p) / double(parts.size()), double(p + 1) / double(parts.size()));
+        const GraphPose *const from = last ? &before : nullptr;
+        const GraphPose found = parts[p]->affine ? parts[p]->affine->Solve(motion, param, its, from, motionBefore)
+                                                 : parts[p]->deformer->Solve(motion, param, its, from, motionBefore);
         for (std::size_t i = 0; i < nodes.size(); ++i) {
             pose.nodeEnergy[nodes[i]] += found.nodeEnergy[i];
             if (solved[nodes[i]])
@@ -163,6 +171,7 @@ GraphPose PartsDeformer::Solve(const NodeConstraints &given, const SolverParam &
             pose.position.col(nodes[i]) = found.position.col(Eigen::Index(i));
             pose.linear[nodes[i]] = found.linear[i];
         }
+        pose.affine = pose.affine || found.affine;
         pose.energy += found.energy;
         pose.iterations = std::max(pose.iterations, found.iterations);
         pose.converged = pose.converged && found.converged;

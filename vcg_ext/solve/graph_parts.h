@@ -20,15 +20,16 @@ std::vector<std::vector<Index>> SeparateParts(const DeformationGraph &graph, con
 /// The graph that \p nodes, ascending, form in \p graph.
 DeformationGraph PartOf(const DeformationGraph &graph, const std::vector<Index> &nodes);
 
-/// Deforms each part of a graph that held nodes separate as if there were no others (GraphDeformer). Prepared once, and
-/// solved as often as wanted; owns copies of what it needs of the graph.
+/// Deforms each part of a graph that held nodes separate as if there were no others (GraphDeformer, or AffineDeformer).
+/// Prepared once, and solved as often as wanted; owns copies of what it needs of the graph.
 class PartsDeformer {
   public:
     /// \param area k values: of each node's patch, frame units^2; A of a part is their sum
-    /// \param given motions are not read
+    /// \param given motions are not read \param solver if its rigidity is below 1: that and the smoothness of all poses
     /// \throw Unsolvable when a system cannot be factorised, or takes too long \throw Cancelled
     PartsDeformer(const DeformationGraph &graph, const std::vector<double> &area, const NodeConstraints &given,
-                  double heldDepth = ShapeConstants().heldDepth, const Progress &progress = {});
+                  double heldDepth = ShapeConstants().heldDepth, const Progress &progress = {},
+                  const SolverParam &solver = {});
     ~PartsDeformer();
     PartsDeformer(const PartsDeformer &) = delete;
     PartsDeformer &operator=(const PartsDeformer &) = delete;
@@ -38,7 +39,7 @@ class PartsDeformer {
     GraphPose Solve(const NodeConstraints &given, const SolverParam &param, const Progress &progress = {},
                     const GraphPose *last = nullptr, const std::vector<Eigen::Affine3d> &lastMotion = {}) const;
 
-    /// As GraphDeformer::Spread, of each part by itself.
+    /// As GraphDeformer::Spread, of each part by itself. \pre rigidity 1
     Eigen::VectorXd Spread(const Eigen::VectorXd &pressure) const;
 
   private:

@@ -13,7 +13,8 @@ namespace vcg::fcd {
 /// Where each node of a deformation graph went: x -> linear * (x - rest) + position.
 struct GraphPose {
     Eigen::Matrix3Xd position;           ///< 3 x k, c'_j
-    std::vector<Eigen::Matrix3d> linear; ///< k, R_j (see FitLinear); of a constrained node that of its motion
+    std::vector<Eigen::Matrix3d> linear; ///< k, R_j (see FitLinear), or A_j; of a constrained node that of its motion
+    bool affine = false;                 ///< the maps are affine by themselves (rigidity below 1)
     double energy = 0;                   ///< Eq. 2, frame units^2
     std::vector<double> nodeEnergy;      ///< k, each node's share of it
     std::vector<char> rests;             ///< k flags: free nodes of parts that nothing moves; empty: not known

@@ -9,6 +9,10 @@ struct SolverParam {
     /// alpha of Eq. 2, >= 0: the higher, the more evenly bending and twist are spread. SR-ARAP as in CGAL has
     /// 0.02 A / 6 at each of the six edges of a regular triangulation, where the weights are 1 / sqrt(3).
     double smoothness = 0.0058;
+    /// r, [0, 1]. Below 1, a node's map is affine, and to stretch it costs r / (1 - r) times as much as at its edges
+    /// (AffineDeformer). At 0 only how maps change costs: every affine motion of the handles is met, as by a thin-plate
+    /// spline; then a pose is linear in the motions, and does not depend on the way to it.
+    double rigidity = 1;
     int maxIterations = 1000; ///< >= 0
     double tolerance = 1e-5;  ///< stop where no node is farther from rest than ten times this fraction of the diagonal
     /// By Anderson's method. Without it, the steps are those of the paper alone, and stop where one moves no node by
@@ -19,8 +23,8 @@ struct SolverParam {
     bool follow = false;
 
     bool operator==(const SolverParam &o) const {
-        return smoothness == o.smoothness && maxIterations == o.maxIterations && tolerance == o.tolerance &&
-               accelerated == o.accelerated && follow == o.follow;
+        return smoothness == o.smoothness && rigidity == o.rigidity && maxIterations == o.maxIterations &&
+               tolerance == o.tolerance && accelerated == o.accelerated && follow == o.follow;
     }
 };
 

@@ -9,6 +9,7 @@
 #include <vcg_ext/graph/deformation_graph.cpp>    // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/graph/falloff.cpp>              // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/graph/held_nodes.cpp>           // NOLINT(bugprone-suspicious-include)
+#include <vcg_ext/solve/affine_deformer.cpp>      // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/solve/discretisation_error.cpp> // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/solve/graph_parts.cpp>          // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/solve/graph_pose.cpp>           // NOLINT(bugprone-suspicious-include)

@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/solve/affine_deformer.h>
+#include <vcg_ext/solve/anderson.h>
+#include <vcg_ext/solve/common_motion.h>
+#include <vcg_ext/solve/initial_guess.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <utility>
+
+namespace vcg::fcd {
+
+namespace {
+
+// By so little of what stretches it a map is drawn to the motion that the handles have in common, as only that decides
+// what smoothness leaves open: how a plane moves across itself, or all where handles are few. The softest bend costs
+// 10^5 times as much.
+constexpr double leastStay = 1e-7;
+
+constexpr const char *stage = "Deforming the graph";
+
+} // namespace
+
+AffineDeformer::AffineDeformer(const DeformationGraph &graph, const std::vector<bool> &constrained, double area,
+                               const std::vector<bool> &compliant, const std::vector<double> &heldArea,
+                               double heldDepth, const SolverParam &solver, const Progress &progress)
+    : graph(graph), smooth(solver.smoothness * area), rigidity(solver.rigidity / (1 - solver.rigidity)),
+      unknown(graph.graph.adjacency, constrained, compliant), energy(graph, unknown, heldArea, heldDepth) {
+    const Index k = graph.Size();
+    for (Eigen::Index e = 0; e < graph.edge.cols(); ++e)
+        edgeLength += graph.edge.col(e).cast<double>().norm() / double(graph.edge.cols());
+    for (Index i = 0; i < k; ++i) {
+        const double its = energy.TurningMass(i);
+        mass.push_back(its > 0 ? its : 1); // without edges, all is left open
+    }
+    map.assign(std::size_t(k), -1);
+    place.assign(std::size_t(k), -1);
+    for (Index i : unknown.rotation)
+        map[std::size_t(i)] = 0;
+    for (Index i = 0; i < k; ++i) {
+        if (map[std::size_t(i)] == 0)
+            map[std::size_t(i)] = size, size += 3;
+        if (unknown.numberOf[std::size_t(i)] >= 0)
+            place[std::size_t(i)] = size++;
+    }
+    if (size == 0)
+        return;
+    const std::vector<Eigen::Affine3d> still(std::size_t(k), Eigen::Affine3d::Identity());
+    const Eigen::Affine3d common = Eigen::Affine3d::Identity();
+    Factorise(PoseTerms(energy, still, Base(still, common), smooth), progress.Slice(0, 0.8));
+    if (rigidity > 0)
+        laplacian.emplace(graph, unknown, progress.Slice(0.8, 1));
+}
+
+/// Calls stretch(i, j, e, end, weight) for both ends of each edge, |x_i - x_j - A_end e|^2, and bend(i, j, weight) for
+/// each, |A_i - A_j|^2; e is the adjacency item from j to i.
+template <class Stretch, class Bend>
+void AffineDeformer::ForTerms(const Stretch &stretch, const Bend &bend) const {
+    const Csr &adjacency = graph.graph.adjacency;
+    for (Index i = 0; i < graph.Size(); ++i)
+        for (std::uint32_t e = adjacency.begin[std::size_t(i)]; e < adjacency.begin[std::size_t(i) + 1]; ++e) {
+            const Index j = adjacency.item[e];
+            if (j <= i || !unknown.HasConstraint(i))
+                continue;
+            const double w = double(graph.weight[e]);
+            stretch(i, j, e, i, w);
+            stretch(i, j, e, j, w);
+            bend(i, j, smooth * w);
+        }
+}
+
+void AffineDeformer::Factorise(const PoseTerms &given, const Progress &progress) {
+    std::vector<Eigen::Triplet<double>> entries;
+    const auto add = [&](Index a, Index b, double value) { // of the lower triangle
+        if (a >= 0 && b >= 0)
+            entries.emplace_back(std::max(a, b), std::min(a, b), value);
+    };
+    ForTerms(
+        [&](Index i, Index j, std::uint32_t e, Index end, double w) {
+            const Index a = map[std::size_t(end)], p[2] = {place[std::size_t(i)], place[std::size_t(j)]};
+            const Eigen::Vector3d way = graph.edge.col(e).cast<double>();
+            add(p[0], p[0], w);
+            add(p[1], p[1], w);
+            add(p[0], p[1], -w);
+            for (int d = 0; a >= 0 && d < 3; ++d) {
+                add(a + d, p[0], -w * way[d]);
+                add(a + d, p[1], w * way[d]);
+                for (int f = 0; f <= d; ++f)
+                    add(a + d, a + f, w * way[d] * way[f]);
+            }
+        },
+        [&](Index i, Index j, double w) {
+            const Index a = map[std::size_t(i)], b = map[std::size_t(j)];
+            for (int d = 0; d < 3; ++d) {
+                if (a >= 0)
+                    add(a + d, a + d, w);
+                if (b >= 0)
+                    add(b + d, b + d, w);
+                if (a >= 0 && b >= 0)
+                    add(a + d, b + d, -w);
+            }
+        });
+    for (Index i : unknown.rotation)
+        for (int d = 0; d < 3; ++d)
+            add(map[std::size_t(i)] + d, map[std::size_t(i)] + d,
+                given.stiffness[std::size_t(i)] * smooth + (rigidity + leastStay) * mass[std::size_t(i)]);
+    detail::SparseFactor::Matrix matrix(size, size);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    if (!factor.Analyse(matrix, detail::SparseFactor::most))
+        throw Unsolvable("The deformation graph of " + std::to_string(graph.Size()) +
+                         " nodes takes minutes to solve with a rigidity below 1. Take fewer patches, or a rigidity of "
+                         "1.");
+    if (!factor.Factorise(matrix, progress, stage) || !(factor.vectorD().minCoeff<Eigen::PropagateNaN>() > 0))
+        throw Unsolvable("The deformation graph's system cannot be factorised with a rigidity below 1. Take a "
+                         "smoothness nearer to its default.");
+}
+
+/// Each node as \p common moves it, but for what is given.
+detail::GraphEnergy::State AffineDeformer::Base(const std::vector<Eigen::Affine3d> &motion,
+                                                const Eigen::Affine3d &common) const {
+    const Index k = graph.Size();
+    State x{graph.graph.position.cast<double>(),
+            std::vector<Eigen::Matrix3d>(std::size_t(k), Eigen::Matrix3d::Identity()),
+            std::vector<Eigen::Vector4d>(std::size_t(k), Eigen::Vector4d::UnitX()), 0};
+    for (Index i = 0; i < k; ++i) {
+        if (!unknown.HasConstraint(i))
+            continue;
+        const Eigen::Affine3d &its = unknown.constrained[std::size_t(i)] ? motion[std::size_t(i)] : common;
+        x.position.col(i) = its * Eigen::Vector3d(x.position.col(i));
+        x.rotation[std::size_t(i)] = (unknown.IsRotationGiven(i) ? its : common).linear();
+    }
+    return x;
+}
+
+/// From node j to i, or where their edge ends; \p e is the adjacency item from j to i.
+Eigen::Vector3d AffineDeformer::Way(const State &x, const PoseTerms &given, Index i, Index j, std::uint32_t e) const {
+    return (unknown.constrained[std::size_t(i)] ? given.from[e] : Eigen::Vector3d(x.position.col(i))) -
+           (unknown.constrained[std::size_t(j)] ? given.to[e] : Eigen::Vector3d(x.position.col(j)));
+}
+
+/// Of the system for what the unknowns change from \p base on, with all rotations those there, without what draws to
+/// these.
+Eigen::MatrixX3d AffineDeformer::RightSide(const State &base, const PoseTerms &given) const {
+    Eigen::MatrixX3d right = Eigen::MatrixX3d::Zero(size, 3);
+    const auto pull = [&](Index at, const Eigen::Matrix3d &by) { // its columns
+        if (at >= 0)
+            right.middleRows<3>(at) += by.transpose();
+    };
+    ForTerms(
+        [&](Index i, Index j, std::uint32_t e, Index end, double w) {
+            const Eigen::Vector3d way = graph.edge.col(e).cast<double>(),
+                                  off = w * (Way(base, given, i, j, e) - base.rotation[std::size_t(end)] * way);
+            if (place[std::size_t(i)] >= 0)
+                right.row(place[std::size_t(i)]) -= off.transpose();
+            if (place[std::size_t(j)] >= 0)
+                right.row(place[std::size_t(j)]) += off.transpose();
+            pull(map[std::size_t(end)], off * way.transpose());
+        },
+        [&](Index i, Index j, double w) {
+            const Eigen::Matrix3d off = w * (base.rotation[std::size_t(i)] - base.rotation[std::size_t(j)]);
+            pull(map[std::size_t(i)], -off);
+            pull(map[std::size_t(j)], off);
+        });
+    for (Index i : unknown.rotation)
+        pull(map[std::size_t(i)],
+             given.stiffness[std::size_t(i)] * smooth * (given.linear[std::size_t(i)] - base.rotation[std::size_t(i)]));
+    return right;
+}
+
+/// The global step: \p x by the solution from \p base on.
+void AffineDeformer::Solved(const State &base, const Eigen::MatrixX3d &right, State &x) const {
+    const Eigen::MatrixX3d change = factor.solve(right);
+    for (Index i : unknown.rotation)
+        x.rotation[std::size_t(i)] =
+            base.rotation[std::size_t(i)] + change.middleRows<3>(map[std::size_t(i)]).transpose();
+    for (Index i : unknown.position)
+        x.position.col(i) = base.position.col(i) + change.row(place[std::size_t(i)]).transpose();
+}
+
+/// The local step.
+void AffineDeformer::FitRotations(State &x) const {
+    for (Index i : unknown.rotation)
+        x.quaternion[std::size_t(i)] =
+            detail::FitQuaternion(x.rotation[std::size_t(i)].transpose(), x.quaternion[std::size_t(i)]);
+}
+
+/// \param x its quaternions are of its maps \param open what all maps are drawn to \param shares if given: of each node
+double AffineDeformer::Energy(const State &x, const PoseTerms &given, const Eigen::Matrix3d &open,
+                              std::vector<double> *shares) const {
+    double sum = 0;
+    const auto add = [&](Index i, double its) {
+        sum += its;
+        if (shares)
+            (*shares)[std::size_t(i)] += its;
+    };
+    ForTerms(
+        [&](Index i, Index j, std::uint32_t e, Index end, double w) {
+            const Eigen::Vector3d way = graph.edge.col(e).cast<double>();
+            add(end, w * (Way(x, given, i, j, e) - x.rotation[std::size_t(end)] * way).squaredNorm());
+        },
+        [&](Index i, Index j, double w) {
+            const double its = w * (x.rotation[std::size_t(i)] - x.rotation[std::size_t(j)]).squaredNorm();
+            add(i, its / 2);
+            add(j, its / 2);
+        });
+    for (Index i : unknown.rotation) {
+        const Eigen::Matrix3d &its = x.rotation[std::size_t(i)];
+        add(i, given.stiffness[std::size_t(i)] * smooth * (its - given.linear[std::size_t(i)]).squaredNorm());
+        if (rigidity > 0)
+            add(i,
+                rigidity * mass[std::size_t(i)] * (its - detail::ToMatrix(x.quaternion[std::size_t(i)])).squaredNorm());
+        sum += leastStay * mass[std::size_t(i)] * (its - open).squaredNorm();
+    }
+    return sum;
+}
+
+GraphPose AffineDeformer::Solve(const std::vector<Eigen::Affine3d> &motion, const SolverParam &param,
+                                const Progress &progress, const GraphPose *last,
+                                const std::vector<Eigen::Affine3d> &lastMotion) const {
+    const Index k = graph.Size();
+    GraphPose pose;
+    const Eigen::Affine3d common = detail::CommonMotion(graph, unknown, motion);
+    const State base = Base(motion, common);
+    State state = base;
+    const PoseTerms given(energy, motion, base, smooth);
+    if (size > 0) {
+        const Eigen::MatrixX3d right = RightSide(base, given);
+        if (rigidity > 0) {
+            const State guess = detail::InitialGuess(graph, unknown, *laplacian, motion, last, lastMotion);
+            state.quaternion = guess.quaternion;
+            Minimise(base, given, right, common.linear(), param, state, pose, progress);
+            const double nearby = 2; // radian, as where GraphDeformer follows
+            for (Index i : unknown.rotation)
+                if (last && std::abs(state.quaternion[std::size_t(i)].dot(guess.quaternion[std::size_t(i)])) <
+                                detail::Cosine(nearby / 2))
+                    pose.followed = false;
+        } else {
+            Solved(base, right, state);
+            pose.iterations = 1;
+        }
+    }
+    pose.nodeEnergy.assign(std::size_t(k), 0);
+    Energy(state, given, common.linear(), &pose.nodeEnergy);
+    for (double its : pose.nodeEnergy)
+        pose.energy += its;
+    pose.affine = true;
+    pose.position = std::move(state.position);
+    pose.linear = std::move(state.rotation);
+    return pose;
+}
+
+/// Takes local and global steps until \p state is at rest. \param state its quaternions are where to begin
+void AffineDeformer::Minimise(const State &base, const PoseTerms &given, const Eigen::MatrixX3d &right,
+                              const Eigen::Matrix3d &common, const SolverParam &param, State &state, GraphPose &pose,
+                              const Progress &progress) const {
+    const Eigen::Matrix3Xf &rest = graph.graph.position;
+    const double still =
+        10 * param.tolerance * (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).cast<double>().norm();
+    const double rounding = 64 * std::numeric_limits<double>::epsilon() * double(unknown.rotation.size()) *
+                            std::max(1.0, base.position.cwiseAbs().maxCoeff());
+    const auto step = [&](const State &x, State &y) {
+        Eigen::MatrixX3d drawn = right;
+        for (Index i : unknown.rotation)
+            drawn.middleRows<3>(map[std::size_t(i)]) +=
+                rigidity * mass[std::size_t(i)] *
+                (detail::ToMatrix(x.quaternion[std::size_t(i)]) - base.rotation[std::size_t(i)]).transpose();
+        y.quaternion = x.quaternion;
+        Solved(base, drawn, y);
+        FitRotations(y);
+    };
+    const auto pack = [&](const State &x, Eigen::VectorXd &v) { // maps times the length of an edge weigh as positions
+        double *at = v.data();
+        for (Index i : unknown.rotation)
+            at = std::transform(x.rotation[std::size_t(i)].data(), x.rotation[std::size_t(i)].data() + 9, at,
+                                [&](double a) { return a * edgeLength; });
+        for (Index i : unknown.position)
+            at = std::copy_n(x.position.col(i).data(), 3, at);
+    };
+    const auto unpack = [&](const Eigen::VectorXd &v, State &x) {
+        const double *at = v.data();
+        for (Index i : unknown.rotation) {
+            x.rotation[std::size_t(i)] = Eigen::Map<const Eigen::Matrix3d>(at) / edgeLength;
+            at += 9;
+        }
+        for (Index i : unknown.position) {
+            x.position.col(i) = Eigen::Map<const Eigen::Vector3d>(at);
+            at += 3;
+        }
+        FitRotations(x);
+    };
+    step(State(state), state);
+    state.energy = Energy(state, given, common, nullptr);
+    State stepped = state, mixed = state;
+    const auto numbers = Eigen::Index(9 * unknown.rotation.size() + 3 * unknown.position.size());
+    detail::Anderson anderson{std::size_t(numbers)};
+    Eigen::VectorXd here(numbers), after(numbers);
+    pose.converged = false;
+    for (pose.iterations = 1; !pose.converged && pose.iterations < param.maxIterations; ++pose.iterations) {
+        if ((pose.iterations & 15) == 0)
+            progress(1 - detail::Exponential(-4.0 * pose.iterations / param.maxIterations), stage);
+        step(state, stepped);
+        const double moved = LargestMove(state, stepped);
+        pack(state, here);
+        pack(stepped, after);
+        anderson.Mix(here, after);
+        pose.converged = moved <= (1 - anderson.Contraction()) * still || moved <= rounding;
+        stepped.energy = Energy(stepped, given, common, nullptr);
+        if (param.accelerated && edgeLength > 0) {
+            unpack(after, mixed);
+            mixed.energy = Energy(mixed, given, common, nullptr);
+            std::swap(state, mixed.energy < stepped.energy ? mixed : stepped);
+        } else {
+            std::swap(state, stepped);
+        }
+    }
+}
+
+/// How far a node moved at most; of its map, by that times the length of an edge.
+double AffineDeformer::LargestMove(const State &x, const State &y) const {
+    double moved = 0;
+    for (Index i : unknown.position)
+        moved = std::max(moved, (y.position.col(i) - x.position.col(i)).squaredNorm());
+    for (Index i : unknown.rotation)
+        moved = std::max(moved, (y.rotation[std::size_t(i)] - x.rotation[std::size_t(i)]).squaredNorm() * edgeLength *
+                                    edgeLength);
+    return std::sqrt(moved);
+}
+
+} // namespace vcg::fcd

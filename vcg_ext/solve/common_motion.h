@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_COMMON_MOTION_H
+#define VCG_FCD_COMMON_MOTION_H
+
+#include <vcg_ext/base/rotation_fit.h>
+#include <vcg_ext/graph/deformation_graph.h>
+#include <vcg_ext/solve/graph_unknowns.h>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <cstddef>
+#include <vector>
+
+namespace vcg::fcd::detail {
+
+/// The affine motion that fits those of the constrained nodes best. What their places leave open is as the rotation
+/// that fits them best has it.
+inline Eigen::Affine3d CommonMotion(const DeformationGraph &graph, const GraphUnknowns &unknown,
+                                    const std::vector<Eigen::Affine3d> &motion) {
+    Eigen::Vector3d before = Eigen::Vector3d::Zero(), after = before;
+    double count = 0;
+    const auto forConstrained = [&](const auto &body) {
+        for (Index i = 0; i < graph.Size(); ++i)
+            if (unknown.constrained[std::size_t(i)]) {
+                const Eigen::Vector3d x = graph.graph.position.col(i).cast<double>();
+                body(x, Eigen::Vector3d(motion[std::size_t(i)] * x));
+            }
+    };
+    forConstrained([&](const Eigen::Vector3d &x, const Eigen::Vector3d &y) {
+        before += x;
+        after += y;
+        ++count;
+    });
+    before /= count;
+    after /= count;
+    Eigen::Matrix3d rest = Eigen::Matrix3d::Zero(), posed = rest;
+    forConstrained([&](const Eigen::Vector3d &x, const Eigen::Vector3d &y) {
+        rest += (x - before) * (x - before).transpose();
+        posed += (y - after) * (x - before).transpose();
+    });
+    const Eigen::Matrix3d s = posed.transpose();
+    const Eigen::Matrix3d rotation = FitRotation(s + 1e-3 * s.norm() * Eigen::Matrix3d::Identity());
+    const double open = 1e-9 * rest.trace(); // floats tell no flatter places
+    Eigen::Affine3d common = Eigen::Affine3d::Identity();
+    const Eigen::Matrix3d fitted = (posed - rotation * rest) * (rest + open * Eigen::Matrix3d::Identity()).inverse();
+    common.linear() = rotation;
+    if (fitted.allFinite())
+        common.linear() += fitted;
+    common.translation() = after - common.linear() * before;
+    return common;
+}
+
+} // namespace vcg::fcd::detail
+
+#endif
