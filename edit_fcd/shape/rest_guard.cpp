@@ -76,5 +76,5 @@ bool RestGuard::isAsKnown() const {
     if (shape != shapeOf(layer.cm))
         return false;
     // A host computes the normals of faces when it likes: with other weights they are some tenths of a degree off.
-    return shownNormals == normalsOf(layer.cm) || (layer.cm.fn > 0 && shareOfOtherNormals(layer, 1) < 0.01);
+    return shownNormals == normalsOf(layer.cm) || (layer.cm.fn > 0 && !hasOtherNormals(layer, 1, 0.01));
 }
