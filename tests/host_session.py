@@ -251,7 +251,7 @@ def test_pairs_of_a_fit_go_along(tmp_path):
         refused(reopened(ms, tmp_path), what, session_file=str(file))
 
 
-def test_pairs_that_go_with_a_merged_layer_are_told(tmp_path, capfd):
+def test_what_no_merged_layer_has_is_told(tmp_path, capfd):
     ms, _, _ = posed()
     file = tmp_path / "s.fcd"
     ms.apply_filter(SAVE, session_file=str(file))
@@ -262,7 +262,14 @@ def test_pairs_that_go_with_a_merged_layer_are_told(tmp_path, capfd):
     capfd.readouterr()
     ms.generate_by_merging_visible_meshes(deletelayer=True)
     said = capfd.readouterr()
-    assert "FCD: a layer is gone, and with it its 2 pairs of landmarks of 'FCD: Fit'" in said.out + said.err
+    assert ("FCD: a layer is gone, and with it what was kept of it: rest shape, pairs of landmarks. A layer that it was merged into has none of that."
+            in said.out + said.err)
+    ms, _, _ = posed()
+    ms.set_verbosity(True)
+    ms.generate_by_merging_visible_meshes(deletelayer=True)
+    said = capfd.readouterr()
+    assert "a layer is gone" not in said.out + said.err # of one alone, all is handed down
+    assert ms.apply_filter(RESET) is not None
 
 
 FIT = {"stiffness": 10 ** 0.37, "start": 3, "largest_distance": 0.25, "weights": 1, "target_weights": 2, "target": "scän.ply", "curves": ""}
