@@ -4,6 +4,7 @@
 #include "inherited_rest.h"
 #include "inherited_scan.h"
 #include "kept_deformation.h"
+#include "kept_graph.h"
 #include "kept_tool.h"
 #include "layer_labels.h"
 #include "layer_state.h"
@@ -28,7 +29,7 @@ const std::string &layoutName() {
     static const std::string name = [] {
         std::string text = "fcd_layer_state";
         for (const std::size_t number :
-             {std::size_t(2), sizeof(LayerState), sizeof(RestState), sizeof(KeptScan), sizeof(vcg::fcd::PoseSequence),
+             {std::size_t(3), sizeof(LayerState), sizeof(RestState), sizeof(KeptScan), sizeof(vcg::fcd::PoseSequence),
               sizeof(Deformation), sizeof(Prepared), sizeof(vcg::fcd::Deformer), sizeof(vcg::fcd::Deformer::Pose),
               std::size_t(EIGEN_MAX_ALIGN_BYTES), std::size_t(EIGEN_WORLD_VERSION), std::size_t(EIGEN_MAJOR_VERSION),
               std::size_t(EIGEN_MINOR_VERSION)})
@@ -96,6 +97,7 @@ void leaveTo(MeshDocument &document, LayerState &gone) {
     try {
         handDown(document, gone);
         handDownRest(document, gone);
+        handDownGraph(document, gone);
         for (const MeshModel *layer : host::layers(document)) {
             if (gone.scan && inheritedScan(*layer, {&gone}))
                 gone.scan.reset();
@@ -235,7 +237,7 @@ LayerState &LayerState::made(const MeshDocument &document, MeshModel &layer) {
 
 bool LayerState::isEmpty() const {
     return !rest && !scan && marks.empty() && measured == 0 && appliedName.empty() && !poses && !deformation && !tool &&
-           !fit && !result;
+           !fit && !graph && !result;
 }
 
 void LayerState::tidy(MeshModel &layer) {

@@ -134,6 +134,13 @@ struct ResultState {
     QString label;
 };
 
+/// Of which layer's surface a layer is the deformation graph (kept_graph.h).
+struct GraphState {
+    int source = 0;          ///< number of that layer
+    bool isDeformed = false; ///< and not at rest
+    std::uint64_t shape = 0; ///< of the graph when it was made, as shapeOf tells it: a copy has it, too
+};
+
 /// All that is known of a layer and that its mesh has no place for. The document keeps it, until the layer or the
 /// document goes. The mesh has one attribute without any memory: through it the host tells where the vertices go, and
 /// the values per vertex slot that are here go with them.
@@ -147,6 +154,7 @@ struct LayerState {
     std::shared_ptr<const Deformation> deformation; ///< of a deformed graph
     std::shared_ptr<const ToolState> tool;          ///< null: the tool knows no more than marks and poses
     std::shared_ptr<const FitToolState> fit;        ///< null: the tool FCD: Fit was told nothing
+    std::optional<GraphState> graph;                ///< none: no filter has made it as a graph in this run
     std::optional<ResultState> result;              ///< none: it is no result of a filter in the window
 
     /// That of a layer, null where nothing is known of it.

@@ -570,6 +570,38 @@ def test_a_graph_that_was_kept_deforms_to_the_same_bits(tmp_path, capfd):
     assert "Their patches are grown anew" in log
 
 
+def test_a_graph_layer_is_known_by_what_it_is(capfd):
+    """Whatever becomes of its name and its quality; a copy of it, too, also where it is gone itself. The graph of the current layer is the default."""
+    ms = clean_bone()
+    ms.apply_filter(DEFORM, translation=np.array([0, 0, 0.25]))
+    first = ms.current_mesh().vertex_matrix()
+    ms.add_mesh(pymeshlab.Mesh(*sheet(20)), "sheet")
+    ms.apply_filter(GRAPH, patches_layer=False)
+    ms.set_current_mesh(1)
+    ms.generate_copy_of_current_mesh()
+    copy = ms.current_mesh().id()
+    for gone in (False, True):
+        if gone:
+            ms.set_current_mesh(1)
+            ms.delete_current_mesh()
+        for layer in (copy,) if gone else (copy, 1):
+            ms.set_current_mesh(layer)
+            set_quality(ms, "-1")
+            ms.set_current_mesh(0)
+            assert ms.filter_parameter_values(DEFORM)["graph_layer"] == copy
+            _, log = deform_logged(ms, capfd, use_graph_layer=True, graph_layer=layer, translation=np.array([0, 0, 0.25]), graph_layers=False)
+            assert "is the graph that these parameters make here" in log
+            assert same_points(ms.current_mesh().vertex_matrix(), first)
+    ms.set_current_mesh(copy)
+    ms.apply_filter("set_matrix", transformmatrix=translation([1e-3, 0, 0]), freeze=True)
+    ms.generate_copy_of_current_mesh()  # of what is no graph any more but by its radii
+    set_quality(ms, "-1")
+    moved = ms.current_mesh().id()
+    ms.set_current_mesh(0)
+    _, log = deform_logged(ms, capfd, use_graph_layer=True, graph_layer=moved, translation=np.array([0, 0, 0.25]), graph_layers=False)
+    assert "is the graph that these parameters make here" not in log
+
+
 @pytest.mark.parametrize("turned", ["vi != 16 * rint(vi / 16)", "vi == 16 * rint(vi / 16)"])
 def test_own_normals_are_told_by_all_vertices(turned):
     """Most of them are others than the faces', or few are: no stride tells that."""
