@@ -94,6 +94,9 @@ struct FitPair {
     }
 };
 
+/// What a layer that is fitted shows.
+enum class FitShape { Rest, Landmarks, Pulled };
+
 /// What the panel of the tool FCD: Fit sets.
 struct FitOptions {
     static constexpr double leastStiffness = 0.01, mostStiffness = 100; ///< of the slider
@@ -116,13 +119,17 @@ struct FitOptions {
 struct FitToolState {
     std::vector<FitPair> pairs;
     FitOptions options;
-    std::string target; ///< name of the layer that it is fitted to; empty: the first other one
-    std::string curves; ///< file with curves that lead it, UTF-8; empty: none
+    std::string target;                       ///< name of the layer that it is fitted to; empty: the first other one
+    std::string curves;                       ///< file with curves that lead it, UTF-8; empty: none
+    FitShape shown = FitShape::Rest;          ///< by which the tool left the layer: a pose of its rest shape
+    std::uint64_t shape = 0;                  ///< of the layer then, as shapeOf tells it; 0: at rest
+    Matrix44m matrix = Matrix44m::Identity(); ///< of the layer then
 
-    /// Besides the pairs.
+    /// Besides the pairs and the shape.
     bool isSet() const { return !target.empty() || !curves.empty() || !(options == FitOptions()); }
     bool operator==(const FitToolState &other) const {
-        return pairs == other.pairs && options == other.options && target == other.target && curves == other.curves;
+        return pairs == other.pairs && options == other.options && target == other.target && curves == other.curves &&
+               shown == other.shown && shape == other.shape && matrix == other.matrix;
     }
 };
 

@@ -6,6 +6,8 @@
 #include <layer_fcd/layer_normals.h>
 #include <layer_fcd/rest_shape.h>
 
+#include <vcg/complex/algorithms/update/bounding.h>
+
 using vcg::fcd::ParallelFor;
 
 RestGuard::RestGuard(MeshModel &layer) : layer(layer), matrix(invertibleMatrixOf(layer)) {}
@@ -34,6 +36,21 @@ void RestGuard::keep() {
     size = surface.box.diagonal().norm();
     know();
     posed = false;
+}
+
+void RestGuard::keepPosed(const std::function<void()> &keepRest) {
+    const auto updateFacesAndBox = [this] {
+        computeFaceNormals(layer.cm, {});
+        vcg::tri::UpdateBounding<CMeshO>::Box(layer.cm);
+    };
+    {
+        const AtRest atRest(layer);
+        updateFacesAndBox();
+        keepRest();
+    }
+    updateFacesAndBox();
+    leave();
+    know();
 }
 
 void RestGuard::restoreVertices() {
