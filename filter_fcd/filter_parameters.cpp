@@ -1,36 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <layer_fcd/kept_deformation.h> // before Qt
+#include <layer_fcd/kept_deformation.h> // these before Qt
+#include <layer_fcd/kept_graph.h>
 
 #include "common_parameters.h"
-
-#include <QRegularExpression>
 
 using host::Shown;
 
 namespace {
-
-/// The last layer whose label fits, or else the current one.
-const MeshModel *lastLayer(const MeshDocument &document, const QRegularExpression &label,
-                           const QRegularExpression &butNot) {
-    const MeshModel *found = document.mm();
-    for (const MeshModel *layer : host::layers(document)) {
-        if (!found)
-            found = layer;
-        if (layer->label().contains(label) && !layer->label().contains(butNot))
-            found = layer;
-    }
-    return found;
-}
-
-QRegularExpression deformedGraphLabel() { return QRegularExpression(" deformed graph[ 0-9()]*$"); }
-
-/// The layers that are most likely meant as deformation graph, and as the same graph deformed.
-const MeshModel *likelyGraph(const MeshDocument &document) {
-    return lastLayer(document, QRegularExpression(" graph( \\d+)?(\\(\\d+\\))?$"), deformedGraphLabel());
-}
-const MeshModel *likelyDeformedGraph(const MeshDocument &document) {
-    return lastLayer(document, deformedGraphLabel(), QRegularExpression("^$"));
-}
 
 /// The layers that have a deformation, by default the last one. \param param a CopyParam or SaveDeformationParam
 template <class Param>
@@ -39,10 +15,10 @@ void askLayers(Fields &fields, Param &param) {
     fields.layer(
         "source_layer", param.source, last.source ? last.source : fields.document.mm(), Shown::Always, "Source layer",
         "The layer that was deformed, in the shape that it had then. By default that of the last deformation.");
-    fields.layer("rest_graph", param.restGraph, last.restGraph ? last.restGraph : likelyGraph(fields.document),
+    fields.layer("rest_graph", param.restGraph, last.restGraph ? last.restGraph : likelyGraph(fields.document, false),
                  Shown::Always, "Graph at rest", "The layer with the deformation graph of the source.");
     fields.layer("deformed_graph", param.deformedGraph,
-                 last.deformedGraph ? last.deformedGraph : likelyDeformedGraph(fields.document), Shown::Always,
+                 last.deformedGraph ? last.deformedGraph : likelyGraph(fields.document, true), Shown::Always,
                  "Deformed graph", "The layer with the same graph, deformed.");
 }
 
@@ -74,7 +50,7 @@ void ask(Fields &fields, DeformMeshParam &param) {
     fields.field("use_graph_layer", param.useGraphLayer, Shown::Advanced, "Use a graph layer",
                  "Takes the vertices of the layer below as nodes instead of building a graph. One graph can drive "
                  "several meshes, and you can place nodes by hand.");
-    fields.layer("graph_layer", param.graphLayer, likelyGraph(fields.document), Shown::Advanced, "Graph layer",
+    fields.layer("graph_layer", param.graphLayer, likelyGraph(fields.document, false), Shown::Advanced, "Graph layer",
                  "The layer whose vertices are the nodes. Only read when 'Use a graph layer' is ticked. Nodes that are "
                  "not on the surface are left out. It is an error when most are not.");
     if (!param.useGraphLayer)

@@ -171,7 +171,7 @@ QString FilterFcd::filterInfo(int id) const {
     case SaveSession:
         return "Writes what no mesh file keeps of the current layer, to go on another day: its marks, the colours and "
                "the quality under the tags, its rest shapes, its poses and key frames, its handles, motions and line "
-               "in the tool 'FCD: Bend', and its pairs and options in 'FCD: Fit'. Save the layer itself, too. The "
+               "in the tool 'FCD: Bend', and its pairs, options and fit in 'FCD: Fit'. Save the layer itself, too. The "
                "layer is not changed.";
     case LoadSession:
         return "Reads a file of 'FCD: Save Session' for the same layer, opened from its file again: in the shape that "

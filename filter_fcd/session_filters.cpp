@@ -45,6 +45,8 @@ std::string describe(const SessionContents &contents, bool saved) {
         add("pairs of 'FCD: Fit': " + std::to_string(contents.pairs));
     if (contents.fitOptions)
         add("options of 'FCD: Fit'");
+    if (contents.fitted)
+        add("the fit that the layer shows");
     std::string line = (saved ? "Saved: " : "Loaded: ") + has + ".";
     if (contents.moved > 0)
         line += " The layer was at rest, and has the pose of then now.";
@@ -63,9 +65,9 @@ HostFilterPlugin::ReturnedValues FilterFcd::session(int id, const RichParameterL
                                            : read<LoadSessionParam>(parameters, document).file;
     const SessionContents contents = id == SaveSession ? saveSession(layer, file) : loadSession(document, layer, file);
     logLine(describe(contents, id == SaveSession));
-    return {{"marks", contents.marks},         {"colors", contents.colors},
-            {"rest_shape", contents.rest},     {"earlier", contents.earlier},
-            {"poses", contents.poses},         {"tool", contents.tool},
-            {"pairs", contents.pairs},         {"fit_options", contents.fitOptions},
-            {"moved_vertices", contents.moved}};
+    return {{"marks", contents.marks},     {"colors", contents.colors},
+            {"rest_shape", contents.rest}, {"earlier", contents.earlier},
+            {"poses", contents.poses},     {"tool", contents.tool},
+            {"pairs", contents.pairs},     {"fit_options", contents.fitOptions},
+            {"fitted", contents.fitted},   {"moved_vertices", contents.moved}};
 }

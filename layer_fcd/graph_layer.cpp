@@ -7,6 +7,7 @@
 #include "layer_matrix.h"
 #include "layer_normals.h"
 #include "new_layers.h"
+#include "rest_shape.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,16 +16,6 @@ using vcg::fcd::Error;
 
 static std::vector<vcg::Color4b> colorsOf(const vcg::fcd::GraphGeometry &graph) {
     return contrastingColors(std::size_t(graph.position.cols()), graph.edge);
-}
-
-bool isGraph(const MeshModel &layer) {
-    Scalarm least = 0, greatest = 0;
-    for (const CVertexO &vertex : layer.cm.vert)
-        if (!vertex.IsD()) {
-            least = std::min(least, Scalarm(vertex.cQ()));
-            greatest = std::max(greatest, Scalarm(vertex.cQ()));
-        }
-    return layer.cm.fn == 0 && least == 0 && greatest > 0;
 }
 
 Eigen::Matrix3Xd readNodes(const MeshModel &layer, const MeshModel *graph) {
@@ -62,7 +53,7 @@ vcg::fcd::CentroidalGraph addGraphLayers(MeshDocument &document, MeshModel &laye
     const vcg::fcd::Progress adding = progress.Slice(0.9, 1);
     adding(0, "Adding layers...");
     NewLayers layers(document, layer, remark);
-    MeshModel &nodes = layers.addGraph("graph", graph.geometry);
+    MeshModel &nodes = layers.addGraph("graph", graph.geometry, false);
     if (param.surfaceLayer)
         layers.addGraphSurface("graph surface", graph.geometry);
     if (param.patchesLayer) {
@@ -136,7 +127,7 @@ MeshModel &NewLayers::addGraphSurface(const QString &what, const vcg::fcd::Graph
     return layer;
 }
 
-MeshModel &NewLayers::addGraph(const QString &what, const vcg::fcd::GraphGeometry &graph) {
+MeshModel &NewLayers::addGraph(const QString &what, const vcg::fcd::GraphGeometry &graph, bool isDeformed) {
     MeshModel &layer = add(what);
     CMeshO &mesh = layer.cm;
     layer.updateDataMask(MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY);
@@ -161,6 +152,7 @@ MeshModel &NewLayers::addGraph(const QString &what, const vcg::fcd::GraphGeometr
         ++edge;
     }
     computeBoxAndNormals(layer.cm);
+    LayerState::made(document, layer).graph = {base.id(), isDeformed, shapeOf(mesh)};
     return layer;
 }
 

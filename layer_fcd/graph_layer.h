@@ -6,9 +6,6 @@
 
 #include <Eigen/Core>
 
-/// Whether \p layer looks like a graph that was built, not like points that were placed: its quality may be radii.
-bool isGraph(const MeshModel &layer);
-
 /// The vertices of \p graph in the coordinates of \p layer, 3 x k.
 /// \throw vcg::fcd::Error when \p graph is null, is \p layer itself or has no vertex
 Eigen::Matrix3Xd readNodes(const MeshModel &layer, const MeshModel *graph);

@@ -19,3 +19,10 @@ std::shared_ptr<const ToolState> toolOf(const MeshModel &layer) {
                        state.tool->shape == shapeOf(layer.cm);
     return isIts ? state.tool : nullptr;
 }
+
+FitShape fitShownBy(const MeshModel &layer) {
+    const LayerState &state = LayerState::known(layer);
+    const bool isIts = state.rest && state.fit && state.fit->shown != FitShape::Rest &&
+                       state.fit->matrix == layer.cm.Tr && state.fit->shape == shapeOf(layer.cm);
+    return isIts ? state.fit->shown : FitShape::Rest;
+}

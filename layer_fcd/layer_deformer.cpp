@@ -4,6 +4,7 @@
 #include "angle_normals.h"
 #include "graph_layer.h"
 #include "inherited_rest.h"
+#include "kept_graph.h"
 #include "layer_contents.h"
 #include "layer_deformer.h"
 #include "layer_normals.h"
@@ -81,7 +82,7 @@ bool LayerDeformer::prepareWithNodesOf(const MeshModel *graph, DeformationParam 
     DeformationParam given = param;
     given.nodes = readNodes(layer, graph);
     nodes = vcg::fcd::Index(given.nodes.cols());
-    if (!isGraph(*graph)) {
+    if (!isGraph(document, *graph)) {
         param = std::move(given);
         prepareRead(surface.View(), param, progress);
         return false;

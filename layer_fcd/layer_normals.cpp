@@ -8,12 +8,11 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <mutex>
 
-using vcg::fcd::Index;
 using vcg::fcd::ParallelFor;
-using vcg::fcd::Progress;
 
 void computeFaceNormals(CMeshO &mesh, const std::vector<char> &moving) {
     ParallelFor(0, mesh.face.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
@@ -64,42 +63,79 @@ void computeBoxAndNormals(CMeshO &mesh, unsigned threads) {
     computeNormals(mesh, threads);
 }
 
-double shareOfOtherNormals(const MeshModel &layer, double degrees) {
+namespace {
+
+/// The terms of a range of faces in the sums of their corners' normals.
+struct NormalTerms {
+    Eigen::Vector3d normal[facesOfRange];
+    double weight[facesOfRange][3]; ///< 0: that vertex is not asked for
+};
+
+} // namespace
+
+bool hasOtherNormals(const MeshModel &layer, double degrees, double share) {
     const CMeshO &mesh = layer.cm;
-    std::size_t step = 1; // a power of two
-    while (step < mesh.vert.size() / 4096)
-        step *= 2;
-    std::vector<Eigen::Vector3d> byArea(mesh.vert.size() / step + 1, Eigen::Vector3d::Zero()), byAngle = byArea;
-    const std::vector<std::size_t> corners = vcg::fcd::CollectInOrder<std::size_t>(
-        Progress(), "", Index(mesh.face.size()), [&](Index f, std::vector<std::size_t> &found) {
-            vcg::fcd::Prefetch(&mesh.face[std::min(std::size_t(f) + 16, mesh.face.size() - 1)]);
-            const CFaceO &face = mesh.face[std::size_t(f)];
-            for (std::size_t k = 0; !face.IsD() && k < 3; ++k)
-                if ((vcg::tri::Index(mesh, face.cV(int(k))) & (step - 1)) == 0)
-                    found.push_back(3 * std::size_t(f) + k);
-        });
-    for (std::size_t corner : corners) {
-        const CFaceO &face = mesh.face[corner / 3];
-        const int k = int(corner % 3);
-        const std::size_t i = vcg::tri::Index(mesh, face.cV(k));
-        const Eigen::Vector3d p = vcg::tri::PositionOf(*face.cV(k)),
-                              a = vcg::tri::PositionOf(*face.cV((k + 1) % 3)) - p,
-                              b = vcg::tri::PositionOf(*face.cV((k + 2) % 3)) - p, n = a.cross(b);
-        byArea[i / step] += n;
-        byAngle[i / step] += std::atan2(n.norm(), a.dot(b)) * n.stableNormalized();
-    }
     const double near = std::cos(degrees * double(EIGEN_PI) / 180);
-    std::size_t all = 0, other = 0;
-    for (std::size_t i = 0; i < mesh.vert.size(); i += step) {
-        const auto &n = mesh.vert[i].cN();
-        const Eigen::Vector3d own = Eigen::Vector3d(n[0], n[1], n[2]).stableNormalized();
-        if (mesh.vert[i].IsD() || byArea[i / step].isZero(0) || own.isZero(0))
-            continue;
-        ++all;
-        other +=
-            own.dot(byArea[i / step].stableNormalized()) < near && own.dot(byAngle[i / step].stableNormalized()) < near;
+    std::vector<char> isAsked(mesh.vert.size(), 1); // then, whether a normal is far from those by area
+    std::size_t all = 0;
+    for (const bool byAngle : {false, true}) {
+        std::vector<Eigen::Vector3d> sum(mesh.vert.size(), Eigen::Vector3d::Zero());
+        const vcg::fcd::RangeResults<NormalTerms> terms(mesh.face.size(), facesOfRange);
+        const auto compute = [&](std::size_t first, std::size_t last) {
+            NormalTerms &range = terms.Of(first);
+            for (std::size_t f = first; f < last; ++f) {
+                const CFaceO &face = mesh.face[f];
+                for (int k = 0; k < 3; ++k)
+                    vcg::fcd::Prefetch(mesh.face[std::min(f + 16, last - 1)].cV(k));
+                double(&weight)[3] = range.weight[f - first];
+                bool isAny = false;
+                for (int k = 0; k < 3; ++k) {
+                    weight[k] = face.IsD() ? 0 : isAsked[vcg::tri::Index(mesh, face.cV(k))];
+                    isAny = isAny || weight[k] > 0;
+                }
+                if (!isAny)
+                    continue;
+                const Eigen::Vector3d p = vcg::tri::PositionOf(*face.cV(0)), a = vcg::tri::PositionOf(*face.cV(1)) - p,
+                                      b = vcg::tri::PositionOf(*face.cV(2)) - p, n = a.cross(b);
+                range.normal[f - first] = n;
+                if (!byAngle)
+                    continue;
+                const double length = n.stableNorm(), scale = length > 0 ? 1 / length : 0;
+                const float atP = vcg::fcd::AngleOfCotangent(float(a.dot(b) * scale)),
+                            atA = vcg::fcd::AngleOfCotangent(float(a.dot(a - b) * scale));
+                range.normal[f - first] *= scale;
+                weight[0] *= atP;
+                weight[1] *= atA;
+                weight[2] *= float(EIGEN_PI) - atP - atA;
+            }
+        };
+        const auto add = [&](std::size_t first, std::size_t last) {
+            const NormalTerms &range = terms.Of(first);
+            for (std::size_t f = first; f < last; ++f)
+                for (int k = 0; k < 3; ++k)
+                    if (const double weight = range.weight[f - first][k]; weight > 0)
+                        sum[vcg::tri::Index(mesh, mesh.face[f].cV(k))] += weight * range.normal[f - first];
+        };
+        vcg::fcd::ParallelForAdding(0, mesh.face.size(), facesOfRange, compute, add);
+        std::atomic<std::size_t> asked = 0, other = 0;
+        ParallelFor(0, mesh.vert.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+            std::size_t askedHere = 0, otherHere = 0;
+            for (std::size_t i = first; i < last; ++i) {
+                const auto &n = mesh.vert[i].cN();
+                const Eigen::Vector3d own(n[0], n[1], n[2]);
+                isAsked[i] = isAsked[i] && !mesh.vert[i].IsD() && !own.isZero(0) && !sum[i].isZero(0);
+                askedHere += std::size_t(isAsked[i]);
+                isAsked[i] = isAsked[i] && own.stableNormalized().dot(sum[i].stableNormalized()) < near;
+                otherHere += std::size_t(isAsked[i]);
+            }
+            asked += askedHere;
+            other += otherHere;
+        });
+        all = byAngle ? all : std::size_t(asked);
+        if (double(other) <= share * double(all))
+            return false;
     }
-    return all > 0 ? double(other) / double(all) : 0;
+    return true;
 }
 
 bool hasOwnNormals(const MeshModel &layer) {
@@ -107,5 +143,5 @@ bool hasOwnNormals(const MeshModel &layer) {
     if (mesh.fn == 0)
         return std::any_of(mesh.vert.begin(), mesh.vert.end(),
                            [](const CVertexO &v) { return !v.IsD() && v.cN().SquaredNorm() > 0; });
-    return shareOfOtherNormals(layer, 5) > 0.5; // rounding and other weights stay below
+    return hasOtherNormals(layer, 5, 0.5); // rounding and other weights stay below
 }

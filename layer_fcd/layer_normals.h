@@ -20,9 +20,10 @@ void computeNormals(CMeshO &mesh, unsigned threads = 0);
 /// The same, and the bounding box.
 void computeBoxAndNormals(CMeshO &mesh, unsigned threads = 0);
 
-/// The share of a sample of vertices whose normals are farther than \p degrees from those of the faces there, weighed
-/// by area and by angle, as programs do; 0 without faces.
-double shareOfOtherNormals(const MeshModel &layer, double degrees);
+/// Whether more than a \p share of the vertices of faces have normals farther than \p degrees from those of the faces
+/// there, weighed by area and by angle, as programs do. Those by angle, which take longer, are only computed where
+/// those by area do not settle it.
+bool hasOtherNormals(const MeshModel &layer, double degrees, double share);
 
 /// Whether \p layer has normals that cannot be computed from its faces: a cloud's, or others than the faces'.
 bool hasOwnNormals(const MeshModel &layer);

@@ -4,6 +4,7 @@
 #include "inherited_rest.h"
 #include "inherited_scan.h"
 #include "kept_deformation.h"
+#include "kept_graph.h"
 #include "kept_tool.h"
 #include "layer_labels.h"
 #include "layer_state.h"
@@ -28,7 +29,7 @@ const std::string &layoutName() {
     static const std::string name = [] {
         std::string text = "fcd_layer_state";
         for (const std::size_t number :
-             {std::size_t(2), sizeof(LayerState), sizeof(RestState), sizeof(KeptScan), sizeof(vcg::fcd::PoseSequence),
+             {std::size_t(3), sizeof(LayerState), sizeof(RestState), sizeof(KeptScan), sizeof(vcg::fcd::PoseSequence),
               sizeof(Deformation), sizeof(Prepared), sizeof(vcg::fcd::Deformer), sizeof(vcg::fcd::Deformer::Pose),
               std::size_t(EIGEN_MAX_ALIGN_BYTES), std::size_t(EIGEN_WORLD_VERSION), std::size_t(EIGEN_MAJOR_VERSION),
               std::size_t(EIGEN_MINOR_VERSION)})
@@ -70,9 +71,8 @@ States *statesOf(const MeshDocument &document) {
     return static_cast<States *>(document.property(layoutName().c_str()).value<void *>());
 }
 
-/// What is kept of a layer that no file of a mesh or of a project has room for; a list.
-QString lostWithProjects(const MeshModel &layer) {
-    const LayerState &state = LayerState::known(layer);
+/// What is kept of a layer that no file of a mesh or of a project, and no other layer, has room for; a list.
+std::string listOf(const LayerState &state, bool hasTool) {
     QStringList all;
     if (state.rest)
         all << "rest shape";
@@ -82,23 +82,44 @@ QString lostWithProjects(const MeshModel &layer) {
         all << "marks";
     if (state.poses)
         all << "poses";
-    if (toolOf(layer))
+    if (hasTool)
         all << "handles and motions";
     if (state.fit && !state.fit->pairs.empty())
         all << "pairs of landmarks";
     if (state.fit && state.fit->isSet())
         all << "options of a fit";
-    return all.join(", ");
+    return all.join(", ").toStdString();
+}
+
+/// A layer is gone: others, such as the one that it was merged into, have what they are copies of, and the log says
+/// what none of them has.
+void leaveTo(MeshDocument &document, LayerState &gone) {
+    try {
+        handDown(document, gone);
+        handDownRest(document, gone);
+        handDownGraph(document, gone);
+        for (const MeshModel *layer : host::layers(document)) {
+            if (gone.scan && inheritedScan(*layer, {&gone}))
+                gone.scan.reset();
+            if (gone.rest && inheritedRest(*layer, {&gone}))
+                gone.rest.reset();
+        }
+    } catch (const std::bad_alloc &) { // its colours and rest shapes are lost, the program is not
+    }
+    const std::string lost = listOf(gone, gone.tool != nullptr);
+    if (!lost.empty())
+        host::log(document, "FCD: a layer is gone, and with it what was kept of it: " + lost +
+                                ". A layer that it was merged into has none of that.");
 }
 
 /// Once a person has saved a project, the log says what is not in it.
 void tellWhenProjectsAreSaved(MeshDocument &document) {
     const auto tell = [&document] {
         for (const MeshModel *layer : host::layers(document)) {
-            const QString lost = lostWithProjects(*layer);
-            if (!lost.isEmpty())
-                host::log(document, "FCD: a project has no room for what is kept of " + inQuotes(*layer) + ": " +
-                                        lost.toStdString() + ". 'FCD: Save Session' writes that to a file.");
+            const std::string lost = listOf(LayerState::known(*layer), toolOf(*layer) != nullptr);
+            if (!lost.empty())
+                host::log(document, "FCD: a project has no room for what is kept of " + inQuotes(*layer) + ": " + lost +
+                                        ". 'FCD: Save Session' writes that to a file.");
         }
     };
     for (const QWidget *window : QApplication::topLevelWidgets())
@@ -119,15 +140,7 @@ States &madeStatesOf(const MeshDocument &document) {
             return;
         const std::shared_ptr<LayerState> state = its->second;
         states->erase(its);
-        if (state->fit && !state->fit->pairs.empty()) // no copy or merged layer knows which vertices are meant
-            host::log(const_cast<MeshDocument &>(document),
-                      "FCD: a layer is gone, and with it its " + std::to_string(state->fit->pairs.size()) +
-                          " pairs of landmarks of 'FCD: Fit': a layer that it was merged into has none.");
-        try {
-            handDown(document, *state);
-            handDownRest(document, *state);
-        } catch (const std::bad_alloc &) { // its colours and rest shapes are lost, the program is not
-        }
+        leaveTo(const_cast<MeshDocument &>(document), *state);
     });
     if (host::inWindow())
         tellWhenProjectsAreSaved(const_cast<MeshDocument &>(document));
@@ -224,7 +237,7 @@ LayerState &LayerState::made(const MeshDocument &document, MeshModel &layer) {
 
 bool LayerState::isEmpty() const {
     return !rest && !scan && marks.empty() && measured == 0 && appliedName.empty() && !poses && !deformation && !tool &&
-           !fit && !result;
+           !fit && !graph && !result;
 }
 
 void LayerState::tidy(MeshModel &layer) {

@@ -94,6 +94,9 @@ struct FitPair {
     }
 };
 
+/// What a layer that is fitted shows.
+enum class FitShape { Rest, Landmarks, Pulled };
+
 /// What the panel of the tool FCD: Fit sets.
 struct FitOptions {
     static constexpr double leastStiffness = 0.01, mostStiffness = 100; ///< of the slider
@@ -116,13 +119,17 @@ struct FitOptions {
 struct FitToolState {
     std::vector<FitPair> pairs;
     FitOptions options;
-    std::string target; ///< name of the layer that it is fitted to; empty: the first other one
-    std::string curves; ///< file with curves that lead it, UTF-8; empty: none
+    std::string target;                       ///< name of the layer that it is fitted to; empty: the first other one
+    std::string curves;                       ///< file with curves that lead it, UTF-8; empty: none
+    FitShape shown = FitShape::Rest;          ///< by which the tool left the layer: a pose of its rest shape
+    std::uint64_t shape = 0;                  ///< of the layer then, as shapeOf tells it; 0: at rest
+    Matrix44m matrix = Matrix44m::Identity(); ///< of the layer then
 
-    /// Besides the pairs.
+    /// Besides the pairs and the shape.
     bool isSet() const { return !target.empty() || !curves.empty() || !(options == FitOptions()); }
     bool operator==(const FitToolState &other) const {
-        return pairs == other.pairs && options == other.options && target == other.target && curves == other.curves;
+        return pairs == other.pairs && options == other.options && target == other.target && curves == other.curves &&
+               shown == other.shown && shape == other.shape && matrix == other.matrix;
     }
 };
 
@@ -132,6 +139,13 @@ struct ResultState {
     std::uint64_t contents = 0; ///< as contentsOf tells them
     bool ownNormals = false;    ///< as hasOwnNormals tells it
     QString label;
+};
+
+/// Of which layer's surface a layer is the deformation graph (kept_graph.h).
+struct GraphState {
+    int source = 0;          ///< number of that layer
+    bool isDeformed = false; ///< and not at rest
+    std::uint64_t shape = 0; ///< of the graph when it was made, as shapeOf tells it: a copy has it, too
 };
 
 /// All that is known of a layer and that its mesh has no place for. The document keeps it, until the layer or the
@@ -147,6 +161,7 @@ struct LayerState {
     std::shared_ptr<const Deformation> deformation; ///< of a deformed graph
     std::shared_ptr<const ToolState> tool;          ///< null: the tool knows no more than marks and poses
     std::shared_ptr<const FitToolState> fit;        ///< null: the tool FCD: Fit was told nothing
+    std::optional<GraphState> graph;                ///< none: no filter has made it as a graph in this run
     std::optional<ResultState> result;              ///< none: it is no result of a filter in the window
 
     /// That of a layer, null where nothing is known of it.

@@ -193,8 +193,8 @@ std::vector<MeshModel *> NewLayers::addResult(const QString &what, const vcg::fc
                                               const std::shared_ptr<const Prepared> &graphOf) {
     std::vector<MeshModel *> layers;
     if (graphOf) {
-        layers.push_back(&addGraph("graph", result.rest));
-        layers.push_back(&addGraph("deformed graph", result.deformed));
+        layers.push_back(&addGraph("graph", result.rest, false));
+        layers.push_back(&addGraph("deformed graph", result.deformed, true));
         keepDeformation(document, *layers.back(), *layers.front(), base, graphOf, result.pose);
     }
     layers.push_back(&addDeformed(what, result.position, result.linear, quality));

@@ -26,8 +26,8 @@ class NewLayers {
     ~NewLayers();
 
     /// "NAME what" with a vertex for each node of \p graph (quality = patch radius, colour = patch colour, attribute
-    /// "energy" if there is any) and its edges.
-    MeshModel &addGraph(const QString &what, const vcg::fcd::GraphGeometry &graph);
+    /// "energy" if there is any) and its edges. The layer knows that it is that of the base.
+    MeshModel &addGraph(const QString &what, const vcg::fcd::GraphGeometry &graph, bool isDeformed);
 
     /// "NAME what" with \p points, 3 x n in the world, and edges from each to the next.
     MeshModel &addLine(const QString &what, const Eigen::Matrix3Xd &points);

@@ -137,6 +137,7 @@ SessionContents contentsOf(const LayerState &state) {
     contents.tool = state.tool != nullptr;
     contents.pairs = state.fit ? int(state.fit->pairs.size()) : 0;
     contents.fitOptions = state.fit && state.fit->isSet();
+    contents.fitted = state.fit && state.fit->shown != FitShape::Rest;
     return contents;
 }
 
@@ -146,6 +147,7 @@ SessionContents saveSession(const MeshModel &layer, const QString &file) {
     const CMeshO &mesh = layer.cm;
     const LayerState &state = LayerState::known(layer);
     const auto tool = toolOf(layer);
+    const bool isFitted = fitShownBy(layer) != FitShape::Rest;
     if (state.marks.empty() && !state.scan && !state.rest && !state.poses && !state.fit && !tool)
         throw Error("Nothing is known of the layer " + inQuotes(layer) +
                     " that a session would keep. Tag, mark, pose or fit it first.");
@@ -175,7 +177,7 @@ SessionContents saveSession(const MeshModel &layer, const QString &file) {
         map.insert(QString("tool"), mapOf(*tool));
     if (state.fit && !state.fit->pairs.empty())
         map.insert(QString("pairs"), arrayOf(state.fit->pairs, live));
-    if (state.fit && state.fit->isSet())
+    if (state.fit && (state.fit->isSet() || isFitted))
         map.insert(QString("fit"), mapOf(*state.fit, layer, live));
     const QByteArray bytes = map.toCborValue().toCbor();
     const QByteArray all = QCborMap{{QString("format"), QString(formatName)},
@@ -187,6 +189,7 @@ SessionContents saveSession(const MeshModel &layer, const QString &file) {
     saveFiles({{file, all.toStdString()}});
     SessionContents contents = contentsOf(state);
     contents.tool = tool != nullptr;
+    contents.fitted = isFitted;
     return contents;
 }
 
@@ -247,10 +250,10 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
         next.scan = scanOf(from.in("scan"), live, shown);
     if (from.has("poses"))
         next.poses = vcg::fcd::ReadPoseSequence(from.text("poses"), file.toStdString());
-    std::shared_ptr<ToolState> tool;
-    if (from.has("tool"))
-        next.tool = tool = std::make_shared<ToolState>(toolOf(from.in("tool"), from.has("rest"), layer, file));
-    next.fit = fitOf(from, live);
+    const std::shared_ptr<ToolState> tool = toolOf(from, layer, file);
+    const std::shared_ptr<FitToolState> fit = fitOf(from, live, layer, file);
+    next.tool = tool;
+    next.fit = fit;
     const std::vector<float> painted = paintedOf(from, live);
 
     // The layer may be at rest, as when its scan was opened again.
@@ -310,10 +313,15 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
                 mesh.vert[i].Q() = CVertexO::QualityType(*q);
         });
     }
-    if (tool) {
-        contents.hasMatrix = !(tool->matrix == mesh.Tr);
-        mesh.Tr = tool->matrix;
-        tool->shape = shapeOf(mesh);
+    const bool isFitted = fit && fit->shown != FitShape::Rest;
+    if (tool || isFitted) {
+        const Matrix44m matrix = tool ? tool->matrix : fit->matrix;
+        contents.hasMatrix = !(matrix == mesh.Tr);
+        mesh.Tr = matrix;
+        if (tool)
+            tool->shape = shapeOf(mesh);
+        if (isFitted)
+            fit->shape = shapeOf(mesh);
         if (next.scan)
             next.scan->matrix = mesh.Tr;
     }

@@ -33,7 +33,8 @@
 ///       "fit"                its options: {"stiffness", "start", "largest_distance", "weights", "target_weights": as
 ///                            FitOptions has them, enumerations by their numbers; "target": name of the layer that
 ///                            it is fitted to, "curves": file with such, each or ""; "painted": weights of the
-///                            vertices, where the layer has them}
+///                            vertices, where the layer has them; "shown": 1 or 2 where the layer has the pose by its
+///                            pairs, or the one that is pulled onto the target, with "matrix" as the tool has it}
 ///
 /// Arrays are typed arrays (RFC 8746), little-endian.
 
@@ -45,6 +46,7 @@ struct SessionContents {
     int poses = 0;
     int pairs = 0;           ///< of landmarks, as FCD: Fit knows them
     bool fitOptions = false; ///< of that tool
+    bool fitted = false;     ///< the layer has the shape that that tool gave it
     std::string unfit;       ///< what of these does not go with the layers that are there; or empty
     int moved = 0;           ///< vertices that have another position since it was loaded
     bool hasMatrix = false;  ///< the layer has the matrix of then since
@@ -55,8 +57,8 @@ struct SessionContents {
 SessionContents saveSession(const MeshModel &layer, const QString &file);
 
 /// Reads what saveSession has written: \p layer is then as it was saved. It must have the shape of then, or the rest
-/// shape, to 1e-6 of its diagonal. Colours and quality that it has got since stay. Motions of the tool are told in the
-/// world: a layer without a matrix gets the one of then.
+/// shape, to 1e-6 of its diagonal. Colours and quality that it has got since stay. Motions and fits of the tools are
+/// told in the world: a layer without a matrix gets the one of then.
 /// \throw vcg::fcd::Error what is wrong with the file, or how the layer differs; it is then as it was
 SessionContents loadSession(const MeshDocument &document, MeshModel &layer, const QString &file);
 

@@ -2,6 +2,7 @@
 #include "bend_text.h"
 #include "session_tools.h" // which includes others before Qt
 
+#include "kept_tool.h"
 #include "layer_contents.h"
 #include "layer_matrix.h"
 #include "weight_sources.h"
@@ -10,35 +11,50 @@
 
 using vcg::fcd::Error;
 
-QCborMap mapOf(const ToolState &tool) {
-    std::vector<double> matrix(16);
+static QCborValue valueOf(const Matrix44m &matrix) {
+    std::vector<double> values(16);
     for (int k = 0; k < 16; ++k)
-        matrix[std::size_t(k)] = double(tool.matrix[k % 4][k / 4]);
-    return {{QString("state"), QString::fromStdString(tool.text)},
-            {QString("posed"), tool.isPosed},
-            {QString("matrix"), arrayOf(std::move(matrix))}};
+        values[std::size_t(k)] = double(matrix[k % 4][k / 4]);
+    return arrayOf(std::move(values));
 }
 
-ToolState toolOf(const Reader &from, bool hasRest, const MeshModel &layer, const QString &file) {
-    ToolState tool{from.text("state"), from.flag("posed"), 0, {}};
-    const std::vector<double> matrix = from.array<double>("matrix", 16, 1);
+/// The matrix of then, which is that of the layer, or what it is to have.
+static Matrix44m matrixThen(const Reader &from, const MeshModel &layer, const QString &file) {
+    Matrix44m matrix;
+    const std::vector<double> values = from.array<double>("matrix", 16, 1);
     for (int k = 0; k < 16; ++k)
-        tool.matrix[k % 4][k / 4] = Scalarm(matrix[std::size_t(k)]);
+        matrix[k % 4][k / 4] = Scalarm(values[std::size_t(k)]);
     Eigen::Affine3d then;
-    tool.matrix.ToEigenMatrix(then.matrix());
+    matrix.ToEigenMatrix(then.matrix());
     if (then.matrix().row(3) != Eigen::RowVector4d(0, 0, 0, 1) || !std::isnormal(then.linear().determinant()))
         from.fail("matrix is none that a layer can have");
-    if (tool.isPosed && !hasRest)
-        from.fail("rest is missing");
     const Eigen::Affine3d now = matrixOf(layer);
     const double rounding = 1e-5; // a project has six digits
     const bool isSame = now.linear().isApprox(then.linear(), rounding) &&
                         (now.translation() - then.translation()).norm() <= rounding * then.translation().norm();
     if (!isSame && !now.matrix().isIdentity(0))
-        throw Error(inQuotes(file) + " is of a layer with another matrix than " + inQuotes(layer) +
-                    " has, and its motions are told in the world. Reset the layer's matrix, and load the session "
-                    "again, which brings the matrix of then.");
-    readBendText(tool.text, file.toStdString(), liveSlots(layer.cm), layer.cm.vert.size()); // or says what is wrong
+        throw Error(
+            inQuotes(file) + " is of a layer with another matrix than " + inQuotes(layer) +
+            " has, and its motions, or its fit, are told in the world. Reset the layer's matrix, and load the session "
+            "again, which brings the matrix of then.");
+    return matrix;
+}
+
+QCborMap mapOf(const ToolState &tool) {
+    return {{QString("state"), QString::fromStdString(tool.text)},
+            {QString("posed"), tool.isPosed},
+            {QString("matrix"), valueOf(tool.matrix)}};
+}
+
+std::shared_ptr<ToolState> toolOf(const Reader &all, const MeshModel &layer, const QString &file) {
+    if (!all.has("tool"))
+        return nullptr;
+    const Reader from = all.in("tool");
+    const auto tool = std::make_shared<ToolState>(
+        ToolState{from.text("state"), from.flag("posed"), 0, matrixThen(from, layer, file)});
+    if (tool->isPosed && !all.has("rest"))
+        from.fail("rest is missing");
+    readBendText(tool->text, file.toStdString(), liveSlots(layer.cm), layer.cm.vert.size()); // or says what is wrong
     return tool;
 }
 
@@ -64,6 +80,10 @@ QCborMap mapOf(const FitToolState &fit, const MeshModel &layer, const LiveVertic
                  {QString("target_weights"), int(fit.options.targetWeights)},
                  {QString("target"), QString::fromStdString(fit.target)},
                  {QString("curves"), QString::fromStdString(fit.curves)}};
+    if (const FitShape shown = fitShownBy(layer); shown != FitShape::Rest) {
+        map.insert(QString("shown"), int(shown));
+        map.insert(QString("matrix"), valueOf(fit.matrix));
+    }
     if (const std::vector<float> weights = paintedWeights(layer); !weights.empty())
         map.insert(QString("painted"),
                    live.array<double>(1, [&](std::size_t i, auto *to) { *to = double(weights[i]); }));
@@ -86,7 +106,8 @@ static std::vector<FitPair> pairsOf(const Reader &from, const char *key, const L
     return pairs;
 }
 
-std::shared_ptr<const FitToolState> fitOf(const Reader &from, const LiveVertices &live) {
+std::shared_ptr<FitToolState> fitOf(const Reader &from, const LiveVertices &live, const MeshModel &layer,
+                                    const QString &file) {
     FitToolState fit;
     if (from.has("pairs"))
         fit.pairs = pairsOf(from, "pairs", live);
@@ -100,9 +121,15 @@ std::shared_ptr<const FitToolState> fitOf(const Reader &from, const LiveVertices
         options.targetWeights = FitMeshParam::Weights(its.whole("target_weights", FitMeshParam::WeightsAttribute));
         fit.target = its.text("target");
         fit.curves = its.text("curves");
+        if (its.has("shown")) {
+            fit.shown = FitShape(its.whole("shown", int(FitShape::Pulled)));
+            fit.matrix = matrixThen(its, layer, file);
+            if (!from.has("rest"))
+                its.fail("rest is missing");
+        }
     }
-    const bool isEmpty = fit.pairs.empty() && !fit.isSet();
-    return isEmpty ? nullptr : std::make_shared<const FitToolState>(std::move(fit));
+    const bool isEmpty = fit.pairs.empty() && !fit.isSet() && fit.shown == FitShape::Rest;
+    return isEmpty ? nullptr : std::make_shared<FitToolState>(std::move(fit));
 }
 
 std::vector<float> paintedOf(const Reader &from, const LiveVertices &live) {

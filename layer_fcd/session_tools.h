@@ -8,17 +8,19 @@
 /// What the tools know of a layer, in a session (session_file.h).
 
 QCborMap mapOf(const ToolState &tool);
-/// The same, read, but for the shape. \param hasRest the session has a rest shape
+/// The same, read, but for the shape; null where the session has none.
 /// \throw vcg::fcd::Error what is wrong with the file, or with the tool's text, and in which line of that; or the layer
 /// has another matrix
-ToolState toolOf(const Reader &from, bool hasRest, const MeshModel &layer, const QString &file);
+std::shared_ptr<ToolState> toolOf(const Reader &from, const MeshModel &layer, const QString &file);
 
 /// The pairs of FCD: Fit; an end at a deleted vertex is left out.
 QCborArray arrayOf(const std::vector<FitPair> &pairs, const LiveVertices &live);
 /// And the rest of what that tool was told, with the weights that are painted on the layer.
 QCborMap mapOf(const FitToolState &fit, const MeshModel &layer, const LiveVertices &live);
-/// Both, read; null where the session has neither. \throw vcg::fcd::Error what is wrong with the file
-std::shared_ptr<const FitToolState> fitOf(const Reader &from, const LiveVertices &live);
+/// Both, read, but for the shape; null where the session has neither.
+/// \throw vcg::fcd::Error what is wrong with the file; or the layer is fitted, and has another matrix
+std::shared_ptr<FitToolState> fitOf(const Reader &from, const LiveVertices &live, const MeshModel &layer,
+                                    const QString &file);
 /// The painted weights, one per vertex slot; empty: none. \throw vcg::fcd::Error what is wrong with the file
 std::vector<float> paintedOf(const Reader &from, const LiveVertices &live);
 

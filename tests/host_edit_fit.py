@@ -453,7 +453,7 @@ def test_bad_pairs_change_nothing(window, tmp_path):
     w.wait("bad.csv', line 1: found 3 numbers; expected 4")
     assert len(pairs_of(save_pairs(w, "pairs.csv"))[0]) == 1 # that of before
     w.do("key", "p", "key", "ctrl+Return")
-    w.wait("The pull is not done yet: wait until it is, or cancel it.")
+    w.wait("The pull is not done yet: wait until it is, or press 'Pull'.")
     w.wait("trace: pulled")
     w.key("BackSpace")
     assert w.save("still.ply").read_bytes() == before

@@ -9,7 +9,7 @@ import pytest
 import host_edit
 from host_edit import MIDDLE, Filters, Window, load, the_dialogs_are_those_of_2020, tube, tube_of, write_ply
 from host_edit import window # noqa: F401, a fixture
-from host_edit_fit import answer, on_target, open_two, place_pairs, pull, save_pairs, write_curves
+from host_edit_fit import answer, on_target, open_two, pairs_of, place_pairs, pull, save_pairs, write_curves
 from host_edit_hands import keep_pose, tube_with_poses
 from host_edit_state import PULL, import_another
 
@@ -164,7 +164,7 @@ def test_pairs_of_a_fit_go_on_in_another_run(window, another, tmp_path):
     w.wait("The pair '4' is on one layer only.")
     w.click(on_target(0.3))
     assert len(save_pairs(w, "four.csv").read_bytes()) > len(pairs)
-    w.key("ctrl+z", "ctrl+z") # the place, and what was loaded
+    w.key("ctrl+z", "ctrl+z", "ctrl+z") # the place, the fit, and what was loaded
     w.click(w.place("save"))
     w.wait("There is no pair of landmarks to be saved.")
 
@@ -213,6 +213,103 @@ def test_options_of_a_fit_go_on_in_another_run(window, another, tmp_path):
     w.wait("The curves of the layer 'template.ply' are left out: Cannot open '")
     w.wait("The layer 'template.ply' was fitted to 'scan.ply', which is not here: open it and choose this layer again, or choose another target.")
     w.shot("target_is_not_here")
+
+
+def reset_pose(w):
+    filters = Filters(w)
+    dialog = filters.dialog("FCD: Reset Pose")
+    filters.apply(dialog)
+    filters.wait_for_log("Applied filter FCD: Reset Pose")
+    filters.finish(dialog)
+    filters.back()
+
+
+def fitted_session(w, path, had):
+    """Leaves the tool, and saves what it shows."""
+    w.toggle_tool("FCD: Fit", is_on=True)
+    w.wait("keeps the fit: undo in the tool, or 'FCD: Reset Pose', takes it back.")
+    by_filter(Filters(w), "FCD: Save Session", path, f"Saved: the rest shape, pairs of 'FCD: Fit': 3, options of 'FCD: Fit', {had}")
+    return load(w.save(path.stem + ".ply"))[0]
+
+
+@the_dialogs_are_those_of_2020
+def test_a_fit_goes_on_in_another_run(window, another, tmp_path):
+    """As it was pulled, and as its pairs took it: it is undone, changed, applied and left as there."""
+    w, points, _ = open_two(window, tmp_path)
+    meshes = tmp_path / "scan.ply", tmp_path / "template.ply"
+    shown = "the fit that the layer shows."
+    w.start_tool("FCD: Fit")
+    place_pairs(w)
+    fitted_session(w, tmp_path / "followed.fcd", shown)
+    w.start_tool("FCD: Fit")
+    pull(w)
+    pulled = fitted_session(w, tmp_path / "pulled.fcd", shown)
+
+    w = another(*meshes)
+    by_filter(Filters(w), "FCD: Load Session", tmp_path / "pulled.fcd", f"{shown} The layer was at rest, and has the pose of then now.")
+    w.start_tool("FCD: Fit")
+    w.wait("trace: pulled") # for the distances
+    w.settle()
+    w.shot("pulled_as_then")
+    assert np.array_equal(load(w.save("as_then.ply"))[0], pulled)
+    w.key("ctrl+z")
+    assert np.array_equal(load(w.save("undone.ply"))[0], points)
+    assert len(pairs_of(save_pairs(w, "pairs.csv"))[0]) == 3 # which are undone next
+    w.key("ctrl+shift+z")
+    assert np.array_equal(load(w.save("redone.ply"))[0], pulled)
+    w.key("BackSpace")
+    assert np.array_equal(load(w.save("at_rest.ply"))[0], points)
+    w.key("ctrl+z", "ctrl+Return")
+    w.wait("In a script: ms.apply_filter('generate_fcd_fitted_mesh', target_layer=0, landmarks_file='pairs.csv'")
+    assert np.array_equal(load(w.save("applied.ply"))[0], pulled)
+    w.toggle_tool("FCD: Fit", is_on=True)
+    reset_pose(w)
+    assert np.array_equal(load(w.save("reset.ply"))[0], points)
+
+    w = another(*meshes)
+    by_filter(Filters(w), "FCD: Load Session", tmp_path / "followed.fcd", shown)
+    followed = load(w.save("followed.ply"))[0]
+    assert not np.array_equal(followed, points) and not np.array_equal(followed, pulled)
+    w.start_tool("FCD: Fit")
+    assert np.array_equal(load(w.save("still.ply"))[0], followed)
+    w.press_and_move(on_target(0), on_target(0, 0.1))
+    w.do("mouseup", 1)
+    w.settle()
+    w.shot("goes_on")
+    assert not np.array_equal(load(w.save("dragged.ply"))[0], followed)
+    w.key("ctrl+z")
+    w.settle()
+    assert np.abs(load(w.save("followed_back.ply"))[0] - followed).max() < 1e-6
+    w.toggle_tool("FCD: Fit", is_on=True)
+    w.wait("keeps the fit: undo in the tool, or 'FCD: Reset Pose', takes it back.")
+    reset_pose(w)
+    assert np.array_equal(load(w.save("reset.ply"))[0], points)
+
+
+@the_dialogs_are_those_of_2020
+def test_a_pull_of_another_run_stays_where_its_target_is_not_here(window, another, tmp_path):
+    """Or where it is cancelled, or left before it is done."""
+    w, points, _ = open_two(window, tmp_path)
+    w.start_tool("FCD: Fit")
+    place_pairs(w)
+    pull(w)
+    pulled = fitted_session(w, tmp_path / "pulled.fcd", "the fit that the layer shows.")
+    (tmp_path / "other.ply").write_bytes((tmp_path / "scan.ply").read_bytes())
+    w = another(tmp_path / "other.ply", tmp_path / "template.ply")
+    by_filter(Filters(w), "FCD: Load Session", tmp_path / "pulled.fcd", "no other layer is called 'scan.ply', its target.")
+    w.start_tool("FCD: Fit")
+    w.wait("was fitted to 'scan.ply', which is not here")
+    w.key("ctrl+Return")
+    w.wait("The pull is not done yet: wait until it is, or press 'Pull'.")
+    assert "trace: pulled" not in w.text()
+    w.toggle_tool("FCD: Fit", is_on=True)
+    by_filter(Filters(w), "FCD: Save Session", tmp_path / "again.fcd", "the fit that the layer shows.")
+    assert np.array_equal(load(w.save("still.ply"))[0], pulled)
+    w.start_tool("FCD: Fit")
+    pull(w)
+    assert np.array_equal(load(w.save("onto_the_other.ply"))[0], pulled)
+    w.key("BackSpace")
+    assert np.array_equal(load(w.save("at_rest.ply"))[0], points)
 
 
 @the_dialogs_are_those_of_2020

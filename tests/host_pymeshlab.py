@@ -585,6 +585,58 @@ def test_a_graph_that_was_kept_deforms_to_the_same_bits(tmp_path, capfd):
     assert "Their patches are grown anew" in log
 
 
+def test_a_graph_layer_is_known_by_what_it_is(capfd):
+    """Whatever becomes of its name and its quality; a copy of it, too, also where it is gone itself. The graph of the current layer is the default."""
+    ms = clean_bone()
+    ms.apply_filter(DEFORM, translation=np.array([0, 0, 0.25]))
+    first = ms.current_mesh().vertex_matrix()
+    ms.add_mesh(pymeshlab.Mesh(*sheet(20)), "sheet")
+    ms.apply_filter(GRAPH, patches_layer=False)
+    ms.set_current_mesh(1)
+    ms.generate_copy_of_current_mesh()
+    copy = ms.current_mesh().id()
+    for gone in (False, True):
+        if gone:
+            ms.set_current_mesh(1)
+            ms.delete_current_mesh()
+        for layer in (copy,) if gone else (copy, 1):
+            ms.set_current_mesh(layer)
+            set_quality(ms, "-1")
+            ms.set_current_mesh(0)
+            assert ms.filter_parameter_values(DEFORM)["graph_layer"] == copy
+            _, log = deform_logged(ms, capfd, use_graph_layer=True, graph_layer=layer, translation=np.array([0, 0, 0.25]), graph_layers=False)
+            assert "is the graph that these parameters make here" in log
+            assert same_points(ms.current_mesh().vertex_matrix(), first)
+    ms.set_current_mesh(copy)
+    ms.apply_filter("set_matrix", transformmatrix=translation([1e-3, 0, 0]), freeze=True)
+    ms.generate_copy_of_current_mesh()  # of what is no graph any more but by its radii
+    set_quality(ms, "-1")
+    moved = ms.current_mesh().id()
+    ms.set_current_mesh(0)
+    _, log = deform_logged(ms, capfd, use_graph_layer=True, graph_layer=moved, translation=np.array([0, 0, 0.25]), graph_layers=False)
+    assert "is the graph that these parameters make here" not in log
+
+
+@pytest.mark.parametrize("turned", ["vi != 16 * rint(vi / 16)", "vi == 16 * rint(vi / 16)"])
+def test_own_normals_are_told_by_all_vertices(turned):
+    """Most of them are others than the faces', or few are: no stride tells that."""
+    ms = new_set()
+    points, faces = sheet(200)
+    points[:, 2] = 0
+    ms.add_mesh(pymeshlab.Mesh(points, faces), "sheet")
+    set_quality(ms, "x < 10 ? 0 : (x > 190 ? 2 : 1)")
+    ms.apply_filter("compute_selection_by_condition_per_vertex", condselect=turned)
+    ms.apply_filter("compute_normal_by_function_per_vertex", x="0.6", y="0", z="0.8", onselected=True)
+    ms.apply_filter("set_selection_none")
+    unit = lambda v: v / np.linalg.norm(v, axis=1)[:, None]
+    before = unit(ms.current_mesh().vertex_normal_matrix())
+    assert 0.05 < (before[:, 0] > 0.5).mean() < 0.95
+    ms.apply_filter(DEFORM, translation=np.array([0, 0, 5.0]), graph_layers=False)
+    after, fixed = unit(ms.current_mesh().vertex_normal_matrix()), points[:, 0] < 9
+    expected = before if (before[:, 0] > 0.5).mean() > 0.5 else np.array([[0, 0, 1.0]] * len(points))
+    assert np.allclose(after[fixed], expected[fixed])
+
+
 def two_sheets(gap):
     """Two sheets of 21 x 21 vertices side by side, a gap (over the diagonal) between them, held at their far ends."""
     x, y = np.meshgrid(np.arange(21.0), np.arange(21.0), indexing="ij")

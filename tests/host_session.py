@@ -11,7 +11,7 @@ from host_pymeshlab import DEFORM, POSE, RESET, TAG, assert_unchanged, check_ret
 from host_tags import BEND, CLEAR, coloured, look, tag_ends
 
 SAVE, LOAD, SEQUENCE = "save_fcd_session", "load_fcd_session", "generate_fcd_pose_sequence"
-RETURNS = {"marks": bool, "colors": bool, "rest_shape": bool, "earlier": int, "poses": int, "tool": bool, "pairs": int, "fit_options": bool, "moved_vertices": int}
+RETURNS = {"marks": bool, "colors": bool, "rest_shape": bool, "earlier": int, "poses": int, "tool": bool, "pairs": int, "fit_options": bool, "fitted": bool, "moved_vertices": int}
 
 
 def reopened(ms, folder, file="layer.ply"):
@@ -43,7 +43,7 @@ def test_a_session_goes_on_in_another_run(tmp_path, at_rest):
     before = snapshot(ms.current_mesh())
     result = ms.apply_filter(SAVE, session_file=str(tmp_path / "s.fcd"))
     check_returned(result, RETURNS)
-    assert result == {"marks": False, "colors": True, "rest_shape": True, "earlier": 1, "poses": 0, "tool": False, "pairs": 0, "fit_options": False, "moved_vertices": 0}
+    assert result == {"marks": False, "colors": True, "rest_shape": True, "earlier": 1, "poses": 0, "tool": False, "pairs": 0, "fit_options": False, "fitted": False, "moved_vertices": 0}
     assert_unchanged(before, ms.current_mesh())
     shown = look(ms)
     if at_rest:  # the layer has its rest shape in the file
@@ -251,7 +251,7 @@ def test_pairs_of_a_fit_go_along(tmp_path):
         refused(reopened(ms, tmp_path), what, session_file=str(file))
 
 
-def test_pairs_that_go_with_a_merged_layer_are_told(tmp_path, capfd):
+def test_what_no_merged_layer_has_is_told(tmp_path, capfd):
     ms, _, _ = posed()
     file = tmp_path / "s.fcd"
     ms.apply_filter(SAVE, session_file=str(file))
@@ -262,7 +262,14 @@ def test_pairs_that_go_with_a_merged_layer_are_told(tmp_path, capfd):
     capfd.readouterr()
     ms.generate_by_merging_visible_meshes(deletelayer=True)
     said = capfd.readouterr()
-    assert "FCD: a layer is gone, and with it its 2 pairs of landmarks of 'FCD: Fit'" in said.out + said.err
+    assert ("FCD: a layer is gone, and with it what was kept of it: rest shape, pairs of landmarks. A layer that it was merged into has none of that."
+            in said.out + said.err)
+    ms, _, _ = posed()
+    ms.set_verbosity(True)
+    ms.generate_by_merging_visible_meshes(deletelayer=True)
+    said = capfd.readouterr()
+    assert "a layer is gone" not in said.out + said.err # of one alone, all is handed down
+    assert ms.apply_filter(RESET) is not None
 
 
 FIT = {"stiffness": 10 ** 0.37, "start": 3, "largest_distance": 0.25, "weights": 1, "target_weights": 2, "target": "scän.ply", "curves": ""}
@@ -315,13 +322,47 @@ def test_options_of_a_fit_that_cannot_be_are_refused(tmp_path):
         refused(reopened(ms, tmp_path), "fit is missing|stiffness is no number", session_file=str(file))
 
 
+def test_the_fit_that_a_layer_shows_goes_along(tmp_path):
+    """As long as the layer has the shape that the tool left; with the matrix, since a fit is told in the world."""
+    ms, _, shapes = posed()
+    file, again_file = tmp_path / "s.fcd", tmp_path / "again.fcd"
+    ms.apply_filter(SAVE, session_file=str(file))
+    data = file.read_bytes()
+    matrix = np.array([[0, -2.0, 0, 5], [2, 0, 0, 0], [0, 0, 2, 1], [0, 0, 0, 1]])
+    fit = {**FIT, "target": "", "shown": 2, "matrix": matrix}
+    file.write_bytes(with_part(data, "fit", fit))
+    again = reopened(ms, tmp_path)
+    assert again.apply_filter(LOAD, session_file=str(file))["fitted"]
+    assert np.array_equal(matrix_of(again.current_mesh()), matrix)
+    assert again.apply_filter(SAVE, session_file=str(again_file))["fitted"]
+    assert cbor("shown") + cbor(2) in contents(again_file.read_bytes()) and cbor(matrix) in contents(again_file.read_bytes())
+    again.apply_filter(RESET)
+    result = again.apply_filter(SAVE, session_file=str(again_file))
+    assert result["fit_options"] and not result["fitted"] and cbor("shown") not in contents(again_file.read_bytes())
+    assert again.apply_filter(LOAD, session_file=str(file))["fitted"] # from the rest shape, too
+    assert same_points(again.current_mesh().vertex_matrix(), shapes[2])
+    again.apply_filter("set_matrix", transformmatrix=np.diag([3.0, 3, 3, 1]), freeze=False)
+    assert not again.apply_filter(SAVE, session_file=str(again_file))["fitted"]
+    refused(again, "is of a layer with another matrix than .* its fit, are told in the world", session_file=str(file))
+
+    for key, wrong, what in (("shown", 3, "shown is out of range"), ("shown", True, "shown is no number"), ("matrix", np.zeros(3), "matrix has not the values"),
+                             ("matrix", np.zeros((4, 4)), "matrix is none that a layer can have")):
+        file.write_bytes(with_part(data, "fit", {**fit, key: wrong}))
+        refused(reopened(ms, tmp_path), what, session_file=str(file))
+    plain = clean_bone()
+    tag_ends(plain)
+    plain.apply_filter(SAVE, session_file=str(file))
+    file.write_bytes(with_part(file.read_bytes(), "fit", fit))
+    refused(plain, "rest is missing", session_file=str(file))
+
+
 def test_what_a_fit_was_told_is_read_without_trust(tmp_path):
     """Bytes of it are changed, with a good checksum: it is refused, or read and written again."""
     ms, _, _ = posed()
     file = tmp_path / "s.fcd"
     ms.apply_filter(SAVE, session_file=str(file))
     pairs = [{"name": "nose", "vertex": 5, "place": np.zeros(3)}, {"name": "ear", "vertex": 3}]
-    data = with_part(with_part(file.read_bytes(), "pairs", pairs), "fit", FIT)
+    data = with_part(with_part(file.read_bytes(), "pairs", pairs), "fit", {**FIT, "shown": 1, "matrix": np.eye(4)})
     layer = contents(data)
     begin = layer.index(cbor("pairs"))
     rng = np.random.default_rng(7)

@@ -6,6 +6,8 @@
 #include <layer_fcd/layer_normals.h>
 #include <layer_fcd/rest_shape.h>
 
+#include <vcg/complex/algorithms/update/bounding.h>
+
 using vcg::fcd::ParallelFor;
 
 RestGuard::RestGuard(MeshModel &layer) : layer(layer), matrix(invertibleMatrixOf(layer)) {}
@@ -34,6 +36,21 @@ void RestGuard::keep() {
     size = surface.box.diagonal().norm();
     know();
     posed = false;
+}
+
+void RestGuard::keepPosed(const std::function<void()> &keepRest) {
+    const auto updateFacesAndBox = [this] {
+        computeFaceNormals(layer.cm, {});
+        vcg::tri::UpdateBounding<CMeshO>::Box(layer.cm);
+    };
+    {
+        const AtRest atRest(layer);
+        updateFacesAndBox();
+        keepRest();
+    }
+    updateFacesAndBox();
+    leave();
+    know();
 }
 
 void RestGuard::restoreVertices() {
@@ -76,5 +93,5 @@ bool RestGuard::isAsKnown() const {
     if (shape != shapeOf(layer.cm))
         return false;
     // A host computes the normals of faces when it likes: with other weights they are some tenths of a degree off.
-    return shownNormals == normalsOf(layer.cm) || (layer.cm.fn > 0 && shareOfOtherNormals(layer, 1) < 0.01);
+    return shownNormals == normalsOf(layer.cm) || (layer.cm.fn > 0 && !hasOtherNormals(layer, 1, 0.01));
 }

@@ -7,6 +7,7 @@
 #include <layer_fcd/parameters.h>
 
 #include <cstdint>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -17,6 +18,9 @@ class RestGuard {
     explicit RestGuard(MeshModel &layer);
     /// The present shape of the layer is the rest shape from now on.
     void keep();
+    /// The layer has a pose of the rest shape that it keeps (RestShape): \p keepRest is called while it has that, and
+    /// calls keep(). \pre it has one
+    void keepPosed(const std::function<void()> &keepRest);
 
     /// Whether the layer has as many vertices and faces as it had.
     bool fits() const { return layer.cm.vert.size() == position.size() && layer.cm.face.size() == faceNormal.size(); }

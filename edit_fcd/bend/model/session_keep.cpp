@@ -6,12 +6,9 @@
 #include <layer_fcd/bend_text.h>
 #include <layer_fcd/kept_tool.h>
 #include <layer_fcd/layer_contents.h>
-#include <layer_fcd/layer_normals.h>
 #include <layer_fcd/layer_sequence.h>
 #include <layer_fcd/rest_shape.h>
 #include <layer_fcd/tag_sources.h>
-
-#include <vcg/complex/algorithms/update/bounding.h>
 
 #include <algorithm>
 
@@ -22,11 +19,6 @@ namespace {
 bool haveSame(const std::shared_ptr<const BendTags> &a, const std::shared_ptr<const BendTags> &b,
               const std::vector<std::size_t> &live) {
     return a && b ? std::all_of(live.begin(), live.end(), [&](std::size_t i) { return (*a)[i] == (*b)[i]; }) : !a && !b;
-}
-
-void updateBox(MeshModel &layer) {
-    computeFaceNormals(layer.cm, {});
-    vcg::tri::UpdateBounding<CMeshO>::Box(layer.cm);
 }
 
 } // namespace
@@ -66,16 +58,8 @@ bool BendSession::goOn() {
         !std::all_of(known.points.begin(), known.points.end(), isOnFree))
         throw vcg::fcd::Error("The handles that the layer '" + layer.label().toStdString() +
                               "' keeps do not fit its marks, or its poses: it is bent from the shape that it has now.");
-    if (its->isPosed) {
-        {
-            const AtRest atRest(layer);
-            updateBox(layer);
-            keepRest();
-        }
-        updateBox(layer);
-        rest.leave();
-        rest.know();
-    }
+    if (its->isPosed)
+        rest.keepPosed([this] { keepRest(); });
     data.state = std::move(known);
     data.options = options;
     takeState();

@@ -4,6 +4,7 @@
 #include "edit_fcd/fit/model/session.h"
 #include "edit_fcd/shape/applies.h"
 
+#include <layer_fcd/kept_tool.h>
 #include <layer_fcd/layer_contents.h>
 #include <layer_fcd/layer_normals.h>
 #include <layer_fcd/marks.h>
@@ -28,13 +29,12 @@ FitSession::FitSession(MeshDocument &document, MeshModel &layer)
 
 void FitSession::keepRest() {
     rest.keep();
-    know();
+    know(FitShape::Rest);
     shapeAtRest = rest.known();
     followFitter.reset();
     followFit.reset();
     lastPull.reset();
     shownPull.reset();
-    isLeft = false;
 }
 
 bool FitSession::isUpToDate() const {
@@ -54,8 +54,19 @@ std::string FitSession::takeKept() {
     if (fit == kept)
         return "";
     kept = fit;
-    const FitToolState taken = fit ? *fit : FitToolState();
-    chosenTarget = taken.target;
+    const FitToolState told = fit ? *fit : FitToolState();
+    chosenTarget = told.target;
+    const std::string wrong = takeTold(told);
+    if (const FitShape its = fitShownBy(layer); its != FitShape::Rest) {
+        rest.keepPosed([this] { keepRest(); });
+        change();
+        now.shape = shown = its;
+        isLeft = true;
+    }
+    return wrong;
+}
+
+std::string FitSession::takeTold(const FitToolState &taken) {
     const bool hasCurves = taken.curves == (now.lines ? now.lines->file : "");
     if (taken.pairs == now.pairs && taken.options == now.options && hasCurves)
         return "";
@@ -74,8 +85,17 @@ std::string FitSession::takeKept() {
 }
 
 void FitSession::keep(const MeshModel *target) {
-    FitToolState next{now.pairs, now.options, chosenTarget, now.lines ? now.lines->file : ""};
-    const bool isTold = !next.pairs.empty() || next.isSet();
+    FitToolState next;
+    next.pairs = now.pairs;
+    next.options = now.options;
+    next.target = chosenTarget;
+    next.curves = now.lines ? now.lines->file : "";
+    if (isLeft) {
+        next.shown = shown;
+        next.shape = rest.known();
+        next.matrix = layer.cm.Tr;
+    }
+    const bool isTold = !next.pairs.empty() || next.isSet() || isLeft;
     if (isTold && next.target.empty() && target) // another document may have its layers in another order
         next.target = target->label().toStdString();
     if (kept ? *kept == next : !isTold)
@@ -252,7 +272,7 @@ void FitSession::follow(bool full) {
     rest.leave();
     shownPull.reset();
     writeMoving(layer.cm, rest.positions().data(), rest.normals().data(), prepared, pose);
-    know(full);
+    know(FitShape::Landmarks, full);
 }
 
 std::shared_ptr<LayerFit> FitSession::beginPull(const MeshModel &target) {
@@ -283,25 +303,26 @@ void FitSession::showPulled() {
     shownPull = lastPull;
     forVertices(layer.cm,
                 [&](std::size_t i) { layer.cm.vert[i].P() = toPoint(lastPull->result.position.col(Eigen::Index(i))); });
-    know(true);
+    know(FitShape::Pulled, true);
 }
 
 /// The layer has been given a shape.
-void FitSession::know(bool full) {
+void FitSession::know(FitShape shape, bool full) {
     if (full && layer.cm.fn > 0)
         computeBoxAndNormals(layer.cm);
     else if (full)
         vcg::tri::UpdateBounding<CMeshO>::Box(layer.cm);
-    know();
+    know(shape);
 }
 
-void FitSession::know() {
+void FitSession::know(FitShape shape) {
     rest.know();
+    shown = shape;
     isLeft = false;
 }
 
 void FitSession::restore() {
     rest.restore();
     shownPull.reset();
-    know();
+    know(FitShape::Rest);
 }

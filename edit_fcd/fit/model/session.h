@@ -15,9 +15,6 @@
 #include <string>
 #include <vector>
 
-/// What a layer that is fitted shows.
-enum class FitShape { Rest, Landmarks, Pulled };
-
 /// Weights that a brush has painted, one per vertex slot; empty: none were.
 using FitWeights = std::vector<float>;
 
@@ -57,10 +54,12 @@ class FitSession {
     const FitState &state() const { return now; }
     /// Takes up a state of an earlier session of the same layer.
     void resume(const FitState &state);
-    /// The pairs, options and curves that the layer keeps, where they are not those that this has left with it: undo
-    /// takes that back. \return what is wrong with the file of the curves, which are left out then; or empty
+    /// The pairs, options and curves that the layer keeps, and the fit that it shows, where they are not those that
+    /// this has left with it: undo takes the fit back, and then the others.
+    /// \return what is wrong with the file of the curves, which are left out then; or empty
     std::string takeKept();
-    /// The layer keeps these, for another session and for files. \param target that is shown, or null
+    /// The layer keeps these, for another session and for files; the fit once it is left.
+    /// \param target that is shown, or null
     void keep(const MeshModel *target);
     /// Name of the layer that this one is fitted to, as a person has chosen it; empty: the first other one.
     const std::string &targetName() const { return chosenTarget; }
@@ -133,6 +132,8 @@ class FitSession {
     /// The layer keeps the shape that it shows. It stays a pose of the rest shape, which FCD: Reset Pose gives back,
     /// and the session goes on if the layer isUpToDate(). \return false: it was at rest, or has kept the shape before
     bool leave();
+    /// Whether the layer has the shape that leave(), here or before, has left it.
+    bool isAsLeft() const { return isLeft; }
     /// \throw vcg::fcd::Error nothing is fitted that could be applied
     void expectFitted(const MeshModel &target) const;
     /// The layer keeps the shape that it shows, which is its rest shape from now on. \return the filter call that makes
@@ -159,16 +160,18 @@ class FitSession {
     bool hasPulledWeights(const MeshModel &target) const;
     void showPainted(const FitState &from);
     std::string filterCall(const MeshModel &target, bool graphLayers) const;
-    void know(bool full);
-    void know();
+    void know(FitShape shape, bool full);
+    void know(FitShape shape);
+    std::string takeTold(const FitToolState &told);
 
     MeshDocument &document;
     MeshModel &layer;
     RestGuard rest;
-    std::uint64_t shapeAtRest = 0; ///< as shapeOf tells it
-    bool isLeft = false;           ///< the layer has what leave() gave it
-    bool isFree = true;            ///< nothing is fixed, and there is no handle
-    bool hasDirections = false;    ///< as FitParam::linear
+    std::uint64_t shapeAtRest = 0;   ///< as shapeOf tells it
+    bool isLeft = false;             ///< the layer has what leave() gave it
+    FitShape shown = FitShape::Rest; ///< by the layer
+    bool isFree = true;              ///< nothing is fixed, and there is no handle
+    bool hasDirections = false;      ///< as FitParam::linear
 
     FitState now;
     std::optional<Stroke> stroke;

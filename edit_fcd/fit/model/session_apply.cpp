@@ -15,7 +15,7 @@ void FitSession::expectFitted(const MeshModel &target) const {
         throw Error("Nothing is fitted yet: place pairs, or press 'Pull', then apply.");
     expectWhole(now.pairs);
     if (now.shape == FitShape::Pulled && !pulled(target))
-        throw Error("The pull is not done yet: wait until it is, or cancel it.");
+        throw Error("The pull is not done yet: wait until it is, or press 'Pull'.");
 }
 
 std::shared_ptr<const FittedSurface> FitSession::fittedNow(const MeshModel &target) {
@@ -52,20 +52,20 @@ std::string FitSession::filterCall(const MeshModel &target, bool graphLayers) co
 bool FitSession::leave() {
     followFitter.reset();
     followFit.reset();
-    now.shape = shownPull ? FitShape::Pulled : rest.isPosed() ? FitShape::Landmarks : FitShape::Rest;
+    now.shape = shown;
     if (!rest.isPosed() || isLeft)
         return false;
-    const RestGuard::Shown shown = rest.shown();
+    const RestGuard::Shown vertices = rest.shown();
     const std::shared_ptr<const FittedSurface> pull = shownPull;
     restore();
     if (pull)
         poseFitted(document, layer, *pull);
     else
         poseAs(
-            document, layer, [&](std::size_t i) { return shown[i].first; },
-            [&](std::size_t i, const Point3m &) { return shown[i].second; });
+            document, layer, [&](std::size_t i) { return vertices[i].first; },
+            [&](std::size_t i, const Point3m &) { return vertices[i].second; });
     rest.leave();
-    know();
+    know(now.shape);
     shownPull = pull;
     isLeft = true;
     return true;

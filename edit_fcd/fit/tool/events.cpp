@@ -231,7 +231,8 @@ void FitTool::onCommand(int which) {
         if (!work)
             return;
         stopWork();
-        if (session->state().shape == FitShape::Pulled && !(target() && session->pulled(*target()))) {
+        if (session->state().shape == FitShape::Pulled && !session->isAsLeft() &&
+            !(target() && session->pulled(*target()))) {
             session->setShape(FitShape::Landmarks);
             reshape(true);
         }

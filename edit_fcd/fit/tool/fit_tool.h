@@ -78,6 +78,7 @@ class FitTool : public LayerTool {
     FitMarks marks() const;
 
     void reshape(bool full);
+    void pullAsLeft();
     void follow(bool full);
     void whenPulled(const std::shared_ptr<const LayerFit> &fit, const std::shared_ptr<FittedSurface> &fitted);
     void begin(Job::Work work, std::function<void()> done);

@@ -68,6 +68,15 @@ void FitTool::open(MeshModel &newModel) {
     enterLayer(newModel);
     targetOverlay = std::make_unique<LayerOverlay>();
     selected = -1;
+    later([this] { pullAsLeft(); });
+}
+
+/// A layer that another run has pulled is pulled again, for what its shape does not tell: how near the target is.
+void FitTool::pullAsLeft() {
+    const MeshModel *onto = layer() ? target() : nullptr;
+    if (onto && onto->label().toStdString() == session->targetName() && session->isAsLeft() &&
+        session->state().shape == FitShape::Pulled && !session->pulled(*onto))
+        reshape(true);
 }
 
 /// The target of a layer that was fitted before, by its name: another document may number it otherwise.
@@ -104,6 +113,7 @@ void FitTool::leave() {
             if (session->leave())
                 say("The layer '" + model->label().toStdString() +
                     "' keeps the fit: undo in the tool, or 'FCD: Reset Pose', takes it back.");
+            session->keep(target());
         });
     display->rest();
     display->updateShape(true);

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "rest_shape.h" // which includes others before Qt
+
+#include "kept_graph.h"
+
+#include <algorithm>
+
+#include <QRegularExpression>
+
+std::optional<GraphState> graphOf(const MeshDocument &document, const MeshModel &layer) {
+    if (const std::optional<GraphState> &own = LayerState::known(layer).graph)
+        return own;
+    std::optional<std::uint64_t> shape; // not before it is needed
+    for (const LayerState *other : LayerState::ofOthers(document, layer))
+        if (other->graph && layer.cm.fn == 0) {
+            shape = shape ? shape : shapeOf(layer.cm);
+            if (*shape == other->graph->shape)
+                return other->graph;
+        }
+    return {};
+}
+
+void handDownGraph(const MeshDocument &document, const LayerState &state) {
+    for (const MeshModel *layer : host::layers(document))
+        if (state.graph && layer->cm.fn == 0 && !LayerState::known(*layer).graph &&
+            shapeOf(layer->cm) == state.graph->shape)
+            LayerState::made(document, const_cast<MeshModel &>(*layer)).graph = state.graph;
+}
+
+const MeshModel *likelyGraph(const MeshDocument &document, bool isDeformed) {
+    static const QRegularExpression deformed(" deformed graph[ 0-9()]*$"), any(" graph( \\d+)?(\\(\\d+\\))?$");
+    const MeshModel *found = document.mm();
+    bool isIts = false;
+    for (const MeshModel *layer : host::layers(document)) {
+        found = found ? found : layer;
+        const std::optional<GraphState> graph = graphOf(document, *layer);
+        const bool isDeformedGraph = graph ? graph->isDeformed : layer->label().contains(deformed);
+        const bool isOfCurrent = graph && document.mm() && graph->source == document.mm()->id();
+        if ((graph || layer->label().contains(any)) && isDeformedGraph == isDeformed && (isOfCurrent || !isIts)) {
+            found = layer;
+            isIts = isOfCurrent;
+        }
+    }
+    return found;
+}
+
+bool isGraph(const MeshDocument &document, const MeshModel &layer) {
+    if (graphOf(document, layer))
+        return true;
+    Scalarm least = 0, greatest = 0;
+    for (const CVertexO &vertex : layer.cm.vert)
+        if (!vertex.IsD()) {
+            least = std::min(least, Scalarm(vertex.cQ()));
+            greatest = std::max(greatest, Scalarm(vertex.cQ()));
+        }
+    return layer.cm.fn == 0 && least == 0 && greatest > 0;
+}
