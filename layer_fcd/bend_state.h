@@ -89,7 +89,8 @@ struct BendOptions {
     double smoothness = vcg::fcd::SolverParam().smoothness;
     vcg::fcd::Falloff falloff = vcg::fcd::DeformerParam().falloff;
     bool elastic = vcg::fcd::DeformerParam().elastic;
-    double pose = 100; ///< as BendState::pose
+    double rigidity = vcg::fcd::SolverParam().rigidity; ///< where it is not elastic
+    double pose = 100;                                  ///< as BendState::pose
     int initialPatches = vcg::fcd::GraphParam().initialPatches;
     vcg::fcd::MappingWeights weights = vcg::fcd::DeformerParam().weights;
     int mirror = -1; ///< 0, 1, 2: what is done to one side of the middle of x, y or z is done to the other; -1: no
@@ -99,7 +100,8 @@ struct BendOptions {
     /// Whether the same marks and motions give the same shape.
     bool givesSameShape(const BendOptions &other) const {
         return smoothness == other.smoothness && falloff == other.falloff && elastic == other.elastic &&
-               pose == other.pose && initialPatches == other.initialPatches && weights == other.weights;
+               rigidity == other.rigidity && pose == other.pose && initialPatches == other.initialPatches &&
+               weights == other.weights;
     }
 };
 

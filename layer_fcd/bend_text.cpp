@@ -48,6 +48,8 @@ class BendTextReader : public vcg::fcd::detail::TextReader {
             options.falloff = vcg::fcd::Falloff(whole("0, 1, 2 or 3", 0, 3));
         else if (key == "elastic")
             options.elastic = whole("0 or 1", 0, 1) == 1;
+        else if (key == "rigidity")
+            options.rigidity = number("a rigidity from 0 to 1", 0, 1);
         else if (key == "detail")
             options.initialPatches = whole("a number of patches from 0 to 20000", 0, 20000);
         else if (key == "distances")
@@ -250,6 +252,8 @@ std::string bendText(const BendState &state, const BendOptions &options, const s
         text += "falloff " + ToText(int(options.falloff)) + "\n";
     if (options.elastic) // as that
         text += "elastic 1\n";
+    if (options.rigidity != BendOptions().rigidity) // as that
+        text += "rigidity " + ToText(options.rigidity) + "\n";
     for (const auto &[tag, point] : state.points)
         text += "point " + ToText(tag) + " " + liveNumber(point.slot) + " " + ToText(point.radius) +
                 (point.isGrip ? " grip\n" : "\n");

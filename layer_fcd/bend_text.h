@@ -15,6 +15,7 @@
 ///     smoothness S            options, as BendOptions has them; enumerations by their numbers
 ///     falloff N               left out where it is smooth
 ///     elastic 1               left out where it is not
+///     rigidity R              left out where it is 1
 ///     detail N
 ///     distances N
 ///     symmetry N

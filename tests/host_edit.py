@@ -458,8 +458,9 @@ def test_marks_of_the_tool_then_tags_of_the_filter(window, tmp_path):
     assert (tmp_path / "cleared.ply").read_bytes() == before
 
 
-def other_shape_of_the_panel(window, tmp_path, name, notches, least, call, button=5):
-    """Another choice of the panel, by so many notches of the wheel or clicks, gives another shape, which is applied; the log's call has it."""
+def other_shape_of_the_panel(window, tmp_path, name, notches, least, call, button=5, typed=None):
+    """Another choice of the panel, by so many notches of the wheel or clicks, or a number typed, gives another shape, which is applied; the log's
+    call has it."""
     points, faces = tube(80, 64) # whose jagged marks make a difference
     w = window(write_ply(tmp_path / "tube.ply", points, faces))
     w.start_tool()
@@ -468,6 +469,10 @@ def other_shape_of_the_panel(window, tmp_path, name, notches, least, call, butto
     usual = load(w.save("usual.ply"))[0]
     w.more()
     w.do("mousemove", *w.place(name), *["click", button] * notches)
+    if typed:
+        w.key("ctrl+a")
+        w.do("type", typed)
+        w.key("Return")
     w.shot(name)
     w.do("mousemove", *MIDDLE)
     other = load(w.save("other.ply"))[0]
@@ -488,6 +493,10 @@ def test_the_falloff_of_the_panel_is_that_of_the_method(window, tmp_path):
 
 def test_the_panel_can_keep_the_volume(window, tmp_path):
     other_shape_of_the_panel(window, tmp_path, "elastic", 1, 0.003, "elastic=True", button=1)
+
+
+def test_the_panel_can_let_the_surface_stretch(window, tmp_path):
+    other_shape_of_the_panel(window, tmp_path, "rigidity", 1, 0.01, "rigidity=0.25", button=1, typed="0.25")
 
 
 def marked_in(seen, plain):

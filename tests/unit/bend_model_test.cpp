@@ -698,6 +698,7 @@ BendOptions OtherOptions() {
     options.pose = 50;
     options.falloff = Falloff::Sharp;
     options.elastic = true;
+    options.rigidity = 0.25;
     options.initialPatches = 321;
     options.weights = MappingWeights::Euclidean;
     options.mirror = 2;
@@ -765,6 +766,7 @@ TEST(BendText, WhatIsWrongIsSaid) {
     refused("symmetry 3", "expected -1, 0, 1 or 2, found '3'.");
     refused("falloff 4", "expected 0, 1, 2 or 3, found '4'.");
     refused("elastic 2", "expected 0 or 1, found '2'.");
+    refused("rigidity 2", "expected a rigidity from 0 to 1, found '2'.");
     refused("distances 2", "expected 0 or 1, found '2'.");
     refused("detail 1e3", "expected a number of patches from 0 to 20000, found '1e3'.");
     refused("smoothness nan", "expected a smoothness from 0 to 10, found 'nan'.");

@@ -23,6 +23,8 @@ std::string withShape(ScriptCall call, const BendOptions &options) {
     call.with("falloff", int(options.falloff), int(usual.falloff));
     if (options.elastic)
         call.with("elastic", true);
+    else if (options.rigidity != usual.rigidity)
+        call.with("rigidity", asTyped(options.rigidity));
     return call.with("initial_patches", options.initialPatches, usual.initialPatches).end();
 }
 

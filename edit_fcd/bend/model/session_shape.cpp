@@ -14,6 +14,8 @@ vcg::fcd::DeformationParam deformationOf(const BendOptions &options) {
     param.smoothness = options.smoothness;
     param.falloff = options.falloff;
     param.elastic = options.elastic;
+    if (!options.elastic) // which goes before, as the panel shows
+        param.rigidity = options.rigidity;
     param.pose = options.pose;
     param.graph.initialPatches = options.initialPatches;
     param.weights = options.weights;

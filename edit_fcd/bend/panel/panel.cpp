@@ -190,7 +190,8 @@ void BendPanel::connectOptions() {
             poseLabel->setText(QString("%1 %").arg(value));
             emit optionsChanged();
         });
-    connect(smoothnessValue, &QDoubleSpinBox::editingFinished, this, &BendPanel::optionsChanged);
+    for (const QDoubleSpinBox *box : {smoothnessValue, rigidityValue})
+        connect(box, &QDoubleSpinBox::editingFinished, this, &BendPanel::optionsChanged);
     connect(patchCount, &QSpinBox::editingFinished, this, &BendPanel::optionsChanged);
     for (const QComboBox *choice : {mirrorAxis, axesChoice, falloffChoice, weightsChoice})
         connect(choice, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &BendPanel::optionsChanged);
@@ -278,6 +279,7 @@ void BendPanel::setShape(const BendOptions &options) {
     smoothnessValue->setValue(options.smoothness);
     falloffChoice->setCurrentIndex(int(options.falloff));
     elastic->setChecked(options.elastic);
+    rigidityValue->setValue(options.rigidity);
     patchCount->setValue(options.initialPatches);
     weightsChoice->setCurrentIndex(int(options.weights));
     mirrorAxis->setCurrentIndex(options.mirror + 1);

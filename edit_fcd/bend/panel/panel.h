@@ -61,6 +61,7 @@ class BendPanel : public QDockWidget {
     double smoothness() const { return smoothnessValue->value(); }
     vcg::fcd::Falloff falloff() const { return vcg::fcd::Falloff(falloffChoice->currentIndex()); }
     bool isElastic() const { return elastic->isChecked(); }
+    double rigidity() const { return rigidityValue->value(); }
     int patches() const { return patchCount->value(); }
     vcg::fcd::MappingWeights weights() const { return vcg::fcd::MappingWeights(weightsChoice->currentIndex()); }
     int mirror() const { return mirrorAxis->currentIndex() - 1; } ///< -1: none
@@ -87,7 +88,7 @@ class BendPanel : public QDockWidget {
     BendLineBox &line() { return *lineBox; }
 
   signals:
-    void optionsChanged(); ///< mode, pose, smoothness, falloff, elastic, patches, weights, mirror, axes, stretch
+    void optionsChanged(); ///< mode, pose, what shapes the surface, mirror, axes, stretch
     void poseBegins();     ///< before the pose changes, once for each way of the slider
     void modeChosen();
     void left();        ///< by Esc, in one of its fields
@@ -110,7 +111,7 @@ class BendPanel : public QDockWidget {
     QButtonGroup *modes;
     QComboBox *role, *mirrorAxis, *falloffChoice, *weightsChoice, *axesChoice;
     QSpinBox *number, *brushPixels, *patchCount;
-    QDoubleSpinBox *radiusPercent, *smoothnessValue;
+    QDoubleSpinBox *radiusPercent, *smoothnessValue, *rigidityValue;
     QCheckBox *through, *elastic, *stretch, *graphs;
     QSlider *poseSlider;
     QPlainTextEdit *motionText;

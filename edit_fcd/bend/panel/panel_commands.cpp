@@ -132,6 +132,16 @@ void BendPanel::addMore(QBoxLayout &column) {
     elastic->setObjectName("elastic");
     elastic->setToolTip(words.help);
     form->addRow(elastic);
+    const ParameterText rigid = rigidityText();
+    rigidityValue = new NumberBox;
+    rigidityValue->setObjectName("rigidity");
+    rigidityValue->setToolTip(rigid.help);
+    rigidityValue->setDecimals(3);
+    rigidityValue->setRange(0, 1);
+    rigidityValue->setSingleStep(0.1);
+    rigidityValue->setValue(1);
+    form->addRow("Rigidity", rigidityValue);
+    connect(elastic, &QCheckBox::toggled, rigidityValue, &QWidget::setDisabled); // that keeps its volume is rigid
     patchCount = new CountBox;
     patchCount->setObjectName("patches");
     patchCount->setToolTip("How many patches the surface is divided into: more bend in more places, and take longer. "

@@ -57,6 +57,7 @@ void BendTool::takeOptions() {
     options.smoothness = panel->smoothness();
     options.falloff = panel->falloff();
     options.elastic = panel->isElastic();
+    options.rigidity = panel->rigidity();
     options.initialPatches = panel->patches();
     options.weights = panel->weights();
     options.mirror = panel->mirror();
