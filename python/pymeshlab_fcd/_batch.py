@@ -4,26 +4,24 @@ from __future__ import annotations
 
 import argparse
 import concurrent.futures
-import csv
 import hashlib
 import importlib
-import io
-import multiprocessing
 import os
+import signal
 import sys
 import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _files, _measures, _splats
+from . import _files, _measures, _splats, _tables, _workers
 from ._curves import read_curves
-from ._deform import _posed
+from ._deform import _posed, deform
 from ._deformation import Deformation
 from ._fit import fit
 from ._inputs import Points
@@ -31,22 +29,15 @@ from ._mean import mean_shape
 from ._motion import Motion
 from ._ply import Ply
 from ._pose import Pose
+from ._results import Row, Table, source, state, told
 from ._straighten import straighten
 from ._symmetrize import symmetrize
 
-Row = dict[str, object]
 _MEASURED = "measured: "  # what the names of measurements begin with in the table, where they may be any
 
 _FITTED = ("matched", "rms", "median", "percentile_95", "guessed", "landmark_residual", "curve_residual", "folded", "contact", "contact_depth", "converged")
 _POSED = ("nodes", "folded", "strained", "contact", "contact_depth", "largest_stretch", "converged")
 _SYMMETRIC = ("before", "after", "asymmetry", "asymmetry_most", "moved", "moved_most", "matched", "is_sure")
-
-
-def _points(path: Path, columns: int) -> Points:
-    rows = np.loadtxt(path, delimiter=",", ndmin=2)
-    if rows.shape[1] != columns:
-        raise ValueError(f"{path} must have {columns} numbers in a line, with commas between them; it has {rows.shape[1]}")
-    return rows
 
 
 def _target(path: Path, weights: str | None = None) -> tuple[Points, NDArray[np.int64] | None, NDArray[np.float64] | None]:
@@ -60,8 +51,22 @@ def _target(path: Path, weights: str | None = None) -> tuple[Points, NDArray[np.
         files: Any = importlib.import_module("trimesh")
     except ImportError:
         raise ValueError(f"{path} is no PLY file: trimesh, which reads others, is not installed") from None
-    mesh = files.load(path, process=False)
-    return np.asarray(mesh.vertices, np.float64), getattr(mesh, "faces", None), None
+    loaded = files.load(path, process=False)
+    parts = [loaded]
+    if hasattr(loaded, "geometry"):  # a scene
+        parts = []
+        for node in loaded.graph.nodes_geometry:
+            matrix, name = loaded.graph[node]
+            parts.append(loaded.geometry[name].copy())
+            parts[-1].apply_transform(matrix)
+    parts = [part for part in parts if not hasattr(part, "entities")]  # those are lines
+    meshes = [part for part in parts if len(getattr(part, "faces", ()))]
+    parts = meshes or parts
+    if not sum(len(part.vertices) for part in parts):
+        raise ValueError(f"{path} has neither a mesh nor points")
+    begin = np.cumsum([0, *(len(part.vertices) for part in parts)])
+    return (np.concatenate([np.asarray(part.vertices, np.float64) for part in parts]),
+            np.concatenate([np.asarray(part.faces, np.int64) + first for part, first in zip(parts, begin)]) if meshes else None, None)
 
 
 def _curves_of(given: str, scan: Path) -> Path:
@@ -83,10 +88,8 @@ def _write(ply: Ply, pose: Pose, out: Path, names: Sequence[str], given: argpars
 def _fit(given: argparse.Namespace, scan: Path, out: Path, threads: int) -> Row:
     template = Ply(given.template)
     target, faces, target_weights = _target(scan, given.target_weights)
-    landmarks = None
-    if given.landmarks:
-        pairs = _points(Path(given.landmarks) / f"{scan.stem}.csv", 6)
-        landmarks = pairs[:, :3], pairs[:, 3:]
+    pairs = _marks(given.landmarks, scan, 6, "x, y, z on the template and x, y, z on the scan")
+    landmarks = None if pairs is None else (pairs[:, :3], pairs[:, 3:])
     curves = read_curves(_curves_of(given.curves, scan)) if given.curves else None
     fitted = fit(template.vertices, template.faces, target, faces, landmarks=landmarks, curves=curves, normals=template.normals,
                  weights=template.column(given.weights) if given.weights else None, target_weights=target_weights, start=given.start,
@@ -95,13 +98,35 @@ def _fit(given: argparse.Namespace, scan: Path, out: Path, threads: int) -> Row:
     return _write(template, fitted, out, _FITTED, given)
 
 
+def _moves(given: argparse.Namespace) -> dict[int, Motion]:
+    """By tag. Raises ValueError for what none is."""
+    found: dict[int, Motion] = {}
+    for word, text in given.move:
+        where = f"--move {word} '{text}'"
+        try:
+            tag = int(word)
+            if not 2 <= tag < 2**31:
+                raise ValueError
+        except ValueError:
+            raise ValueError(f"{where}: the first is the tag of a handle, a whole number from 2") from None
+        if tag in found:
+            raise ValueError(f"{where}: handle {tag} moves already; put one motion after the other, as 'rotate 0 0 1 30 translate 0 0 5'")
+        try:
+            found[tag] = Motion.parse(text)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                deform(np.eye(3), None, [0, 1, tag], {tag: found[tag]})  # which tells what is wrong with it
+        except ValueError as error:
+            raise ValueError(f"{where}: {error}") from None
+    return found
+
+
 def _deform(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
     ply = Ply(path)
     tags = ply.column(given.tags)
     if not (tags == np.round(tags)).all():
         raise ValueError(f"{given.tags} of the vertices of {path} must be tags, whole numbers")
-    moves: Mapping[int, Motion] = {int(tag): Motion(text) for tag, text in given.move}
-    pose = _posed(ply.vertices, ply.faces, tags.astype(np.int64), moves, None, given.percent, given.steps, None, None,
+    pose = _posed(ply.vertices, ply.faces, tags.astype(np.int64), _moves(given), None, given.percent, given.steps, None, None,
                   {"normals": ply.normals, "smoothness": given.smoothness, "threads": threads})
     return _write(ply, pose, out, _POSED, given)
 
@@ -120,7 +145,7 @@ def _apply(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Ro
 
 def _straighten(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
     ply = Ply(path)
-    line = _points(Path(given.lines) / f"{path.stem}.csv", 3)
+    line = _tables.numbers(Path(given.lines) / f"{path.stem}.csv", 3, "x, y, z")
     made = straighten(ply.vertices, ply.faces, line, degrees=given.degrees, middle=given.middle, untwist=given.untwist, normals=ply.normals,
                       threads=threads)
     measured = made.line
@@ -128,14 +153,14 @@ def _straighten(given: argparse.Namespace, path: Path, out: Path, threads: int) 
             **_write(ply, made, out, _POSED, given)}
 
 
-def _marks(folder: str | None, path: Path, columns: int) -> Points | None:
-    return _points(Path(folder) / f"{path.stem}.csv", columns) if folder else None
+def _marks(folder: str | None, path: Path, columns: int, what: str) -> Points | None:
+    return _tables.numbers(Path(folder) / f"{path.stem}.csv", columns, what) if folder else None
 
 
 def _symmetrize(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
     ply = Ply(path)
-    pairs = _marks(given.pairs, path, 6)
-    made = symmetrize(ply.vertices, ply.faces, pairs=None if pairs is None else pairs.reshape(-1, 2, 3), midline=_marks(given.midlines, path, 3),
+    pairs = _marks(given.pairs, path, 6, "x, y, z on the left and x, y, z on the right")
+    made = symmetrize(ply.vertices, ply.faces, pairs=None if pairs is None else pairs.reshape(-1, 2, 3), midline=_marks(given.midlines, path, 3, "x, y, z"),
                       normals=ply.normals, stiffness=given.stiffness, landmark_tolerance=given.landmark_tolerance, threads=threads)
     found = made.symmetry
     return {**{name: getattr(found, name) for name in _SYMMETRIC}, **_write(ply, made, out, ("folded", "contact", "contact_depth", "converged"), given)}
@@ -155,6 +180,12 @@ _JOBS: dict[str, Callable[[argparse.Namespace, Path, Path, int], Row]] = {
     "fit": _fit, "deform": _deform, "apply": _apply, "straighten": _straighten, "symmetrize": _symmetrize, "info": _info}
 
 
+def _results_of(given: argparse.Namespace, out: Path) -> list[Path]:
+    if given.job == "info":
+        return []
+    return [out, out.with_suffix(".fcd")] if getattr(given, "deformations", False) else [out]
+
+
 def _job(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
     """Does one file. What goes wrong is told in the row."""
     begin = time.perf_counter()
@@ -167,6 +198,7 @@ def _job(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
         except Exception as error:  # whatever is in a file: the others are done all the same
             row["error"] = f"{error}" or type(error).__name__
     row["seconds"] = round(time.perf_counter() - begin, 3)
+    row["result"] = "" if row["error"] else state(*_results_of(given, out))
     row["warnings"] = " | ".join(dict.fromkeys(str(each.message) for each in caught if issubclass(each.category, UserWarning)))
     return row
 
@@ -174,9 +206,9 @@ def _job(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
 def _stamp(path: Path) -> str:
     try:
         known = path.stat()
-        return f"{path.resolve()} {known.st_size} {known.st_mtime_ns}"
+        return f"{told(path.resolve())} {known.st_size} {known.st_mtime_ns}"
     except OSError:
-        return f"{path} is not there"
+        return f"{told(path)} is not there"
 
 
 def _key(given: argparse.Namespace, path: Path) -> str:
@@ -188,42 +220,6 @@ def _key(given: argparse.Namespace, path: Path) -> str:
     if asked.get("curves"):
         known.append(_curves_of(asked["curves"], path))
     return hashlib.sha256("\n".join([repr(sorted(asked.items())), *map(_stamp, known)]).encode()).hexdigest()[:16]
-
-
-def _read_rows(path: Path) -> dict[str, Row]:
-    try:
-        with open(path, newline="", encoding="utf-8-sig") as file:
-            return {row["file"]: dict(row) for row in csv.DictReader(file) if row.get("key")}  # the last one may be half a row
-    except (OSError, KeyError, ValueError, csv.Error):  # none, or not as it was written
-        return {}
-
-
-class _Table:
-    """The rows of what is done, in a file to which each is added as it comes. The last one of a file counts."""
-
-    def __init__(self, path: Path, files: Sequence[str]) -> None:
-        self.path = path
-        self.rows = _read_rows(path)
-        self.order = list(dict.fromkeys([*files, *self.rows]))
-        self.names: list[str] = []
-
-    def write(self) -> None:
-        """All of it, in the order of the files."""
-        last = ("seconds", "warnings", "error", "key")
-        self.names = list(dict.fromkeys(["file", *(name for row in self.rows.values() for name in row if name not in last), *last]))
-        text = io.StringIO(newline="")
-        writer = csv.DictWriter(text, self.names, restval="")
-        writer.writeheader()
-        writer.writerows(self.rows[name] for name in self.order if name in self.rows)
-        _files.write(self.path, text.getvalue().encode("utf-8"))
-
-    def add(self, name: str, row: Row) -> None:
-        self.rows[name] = row
-        if not set(row) <= set(self.names):  # columns that it does not have yet
-            self.write()
-            return
-        with open(self.path, "a", newline="", encoding="utf-8") as file:
-            csv.DictWriter(file, self.names, restval="").writerow(row)
 
 
 def _on_cluster(client: Any, given: argparse.Namespace, jobs: Sequence[tuple[Path, Path]]) -> Iterator[tuple[Path, Row]]:
@@ -253,10 +249,8 @@ def _done(given: argparse.Namespace, jobs: Sequence[tuple[Path, Path]]) -> Itera
             yield path, _job(given, path, out, 0)
         return
     threads = max(1, (os.cpu_count() or 1) // processes)
-    # No copies of this process, which may have threads.
-    pool = concurrent.futures.ProcessPoolExecutor(processes, mp_context=multiprocessing.get_context("spawn"))
-    try:
-        waiting = {pool.submit(_job, given, path, out, threads): path for path, out in jobs}
+    with _workers.pool(processes) as pool:
+        waiting = {pool.submit(_workers.run, _job, given, path, out, threads): path for path, out in jobs}
         for each in concurrent.futures.as_completed(waiting):
             row: Row
             try:
@@ -264,8 +258,6 @@ def _done(given: argparse.Namespace, jobs: Sequence[tuple[Path, Path]]) -> Itera
             except BrokenProcessPool:
                 row = {"error": "the process that did it was ended, perhaps as there was no memory left: use fewer processes"}
             yield waiting[each], row
-    finally:
-        pool.shutdown(cancel_futures=True)
 
 
 def _write_mean(files: Sequence[Path], out: Path, scaled: bool) -> None:
@@ -281,8 +273,8 @@ def _write_mean(files: Sequence[Path], out: Path, scaled: bool) -> None:
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     first.save(out, found.vertices, normals)
     far = int(found.apart.argmax())
-    print(f"mean of {len(files)} shapes: {out}; they are {float(np.sqrt((found.apart**2).mean())):.4g} from it (root mean square), {files[far]} "
-          f"the most, {found.apart[far]:.4g}", flush=True)
+    _say(f"mean of {len(files)} shapes: {told(out)}; they are {float(np.sqrt((found.apart**2).mean())):.4g} from it (root mean square), "
+         f"{told(files[far])} the most, {found.apart[far]:.4g}")
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -343,9 +335,15 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    parser = _parser()
-    given = parser.parse_args(arguments)
+def _say(text: str, file: TextIO | None = None) -> None:
+    """In what characters the stream has."""
+    stream: Any = file or sys.stdout
+    kind = stream.encoding or "ascii"
+    print(text.encode(kind, "backslashreplace").decode(kind), file=stream, flush=True)
+
+
+def _looked_at(parser: argparse.ArgumentParser, given: argparse.Namespace, paths: Sequence[Path], outs: Mapping[Path, Path]) -> None:
+    """Ends a command that cannot be meant, before anything is done."""
     if given.processes < 1:
         parser.error("--processes must be 1 or more")
     if given.scheduler:
@@ -353,56 +351,99 @@ def main(arguments: Sequence[str] | None = None) -> int:
             importlib.import_module("distributed")
         except ImportError:
             parser.error("--scheduler needs Dask: pip install 'dask[distributed]'")
-    if getattr(given, "measure", None):
-        try:
+    try:
+        if getattr(given, "measure", None):
             _measures.read(given.measure)
-        except (OSError, ValueError) as error:
-            parser.error(f"{error}")
+        if given.job == "deform":
+            _moves(given)
+    except (OSError, ValueError) as error:
+        parser.error(f"{error}")
+    if given.job == "info":
+        return
+    names: dict[str, Path] = {"mean.ply": Path("--mean")} if getattr(given, "mean", None) else {}
+    read = [*paths, *(Path(getattr(given, name)) for name in ("template", "deformation") if hasattr(given, name))]
+    for path, out in outs.items():
+        if names.setdefault(out.name.casefold(), path) != path:
+            parser.error(f"{told(names[out.name.casefold()])} and {told(path)} would have one result, {told(out)}: rename one of them")
+        if any(_files.same_file(out, each) for each in read):
+            parser.error(f"{told(out)} would be written over what is read: give another folder")
+
+
+def _table(parser: argparse.ArgumentParser, given: argparse.Namespace, outs: Mapping[Path, Path]) -> Table | None:
+    """That of the folder, none of whose results may be of another file or job."""
+    if not given.out:
+        return None
+    folder = Path(given.out)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        parser.error(f"--out {told(folder)} is no folder, and cannot be made: {error.strerror}")
+    try:
+        table = Table(folder / f"{given.job}.csv", list(outs))
+        others = {job: Table(folder / f"{job}.csv") for job in _JOBS if job not in ("info", given.job)}
+    except (OSError, ValueError) as error:
+        parser.error(f"{error}")
+    written = [*outs.items(), *([(None, folder / "mean.ply")] if getattr(given, "mean", None) else [])] if given.job != "info" else []
+    for path, out in written:
+        for job, each in {given.job: table, **others}.items():
+            for row in each.owners(out):
+                if path is None or job != given.job or (row["source"] != source(path) and not _files.same_file(f"{row['source']}", path)):
+                    parser.error(f"{told(out)} is what {job} made of {row['source']}: give another folder, or delete it first")
+    return table
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = _parser()
+    given = parser.parse_args(arguments)
     paths = list(dict.fromkeys(Path(each) for each in given.files))
     ending = "" if given.job == "info" else ".ply"
     outs = {path: Path(given.out or ".") / f"{path.stem}{ending}" for path in paths}
-    if given.job != "info":
-        names: dict[str, Path] = {"mean.ply": Path("--mean")} if getattr(given, "mean", None) else {}
-        read = [*paths, *(Path(getattr(given, name)) for name in ("template", "deformation") if hasattr(given, name))]
-        for path, out in outs.items():
-            if names.setdefault(out.name.casefold(), path) != path:
-                parser.error(f"{names[out.name.casefold()]} and {path} would have one result, {out}: rename one of them")
-            if any(_files.same_file(out, each) for each in read):
-                parser.error(f"{out} would be written over what is read: give another folder")
-    table: _Table | None = None
-    if given.out:
-        Path(given.out).mkdir(parents=True, exist_ok=True)
-        table = _Table(Path(given.out) / f"{given.job}.csv", [str(path) for path in paths])
-    rows = table.rows if table else {}
-    keys = {path: _key(given, path) for path in paths}
-    known = [path for path in paths if not given.again and (row := rows.get(str(path))) is not None and row.get("key") == keys[path]
-             and not row.get("error") and (given.job == "info" or outs[path].exists())]
-    done = set(known)
-    left = [(path, outs[path]) for path in paths if path not in done]
-    if known:
-        print(f"{len(known)} of {len(paths)} files are done already", flush=True)
-    failed = 0
+    _looked_at(parser, given, paths, outs)
+    table = _table(parser, given, outs)
     try:
-        if table and rows:
-            table.write()  # without what an interrupt left half done
-        for number, (path, row) in enumerate(_done(given, left), len(known) + 1):
-            failed += bool(row["error"])
-            if table:  # first: what is said to be done is not done again
-                table.add(str(path), {"file": str(path), **row, "key": keys[path]})
-            told = f"failed: {row['error']}" if row["error"] else ", ".join(
-                f"{name} {value:.4g}" if isinstance(value, float) else f"{name} {value}" for name, value in row.items()
-                if name not in ("error", "warnings") and value is not None)
-            print(f"{number}/{len(paths)} {path}: {told}", flush=True)
-            for text in filter(None, str(row.get("warnings", "")).split(" | ")):
-                print(f"    warning: {text}", flush=True)
-        if table and left:
-            table.write()
-        good = [outs[path] for path in paths if (row := rows.get(str(path))) is not None and not row.get("error")]
-        if getattr(given, "mean", None) and good:
+        with _workers.terminable():
+            return _go(given, outs, table)
+    except KeyboardInterrupt as ended:
+        is_asked = isinstance(ended, _workers.Terminated)
+        _say(f"{'ended' if is_asked else 'interrupted'}: the same command goes on from here", sys.stderr)
+        return 128 + (signal.SIGTERM if is_asked else signal.SIGINT)
+
+
+def _go(given: argparse.Namespace, outs: Mapping[Path, Path], table: Table | None) -> int:
+    """Does what is left. Returns the status."""
+    rows = table.rows if table else {}
+    keys = {path: _key(given, path) for path in outs}
+
+    def is_as_written(path: Path) -> bool:
+        row = rows.get(source(path))
+        return row is not None and not row.get("error") and row.get("key") == keys[path] and row["result"] == state(*_results_of(given, outs[path]))
+
+    done = set() if given.again else {path for path in outs if is_as_written(path)}
+    left = [(path, out) for path, out in outs.items() if path not in done]
+    if done:
+        _say(f"{len(done)} of {len(outs)} files are done already")
+    failed = 0
+    if table and rows:
+        table.write()  # without what an interrupt left half done
+    for number, (path, row) in enumerate(_done(given, left), len(done) + 1):
+        failed += bool(row["error"])
+        if table:  # first: what is said to be done is not done again
+            table.add(path, {**row, "key": keys[path]})
+        seen = f"failed: {row['error']}" if row["error"] else ", ".join(
+            f"{name} {value:.4g}" if isinstance(value, float) else f"{name} {value}" for name, value in row.items()
+            if name not in ("error", "warnings", "result") and value is not None)
+        _say(f"{number}/{len(outs)} {told(path)}: {seen}")
+        for text in filter(None, str(row.get("warnings", "")).split(" | ")):
+            _say(f"    warning: {text}")
+    if table and left:
+        table.write()
+    if getattr(given, "mean", None):
+        good = [out for path, out in outs.items() if is_as_written(path)]
+        if len(good) < len(outs) - failed:
+            _say(f"no mean is made: {told(next(out for path, out in outs.items() if out not in good))} has been changed since", sys.stderr)
+            return 1
+        if good:
             _write_mean(good, Path(given.out) / "mean.ply", given.mean == "similar")
-    except KeyboardInterrupt:
-        print("interrupted: the same command goes on from here", file=sys.stderr)
-        return 130
     if failed:
-        print(f"{failed} of {len(paths)} files could not be done", file=sys.stderr)
+        _say(f"{failed} of {len(outs)} files could not be done", sys.stderr)
     return 1 if failed else 0

@@ -2,14 +2,15 @@
 """Measurements that are carried with a mesh: named once on its vertices, taken wherever these have gone."""
 from __future__ import annotations
 
-import csv
 import os
 from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _tables
 from ._inputs import Points
+from ._numbers import shown
 
 _FEWEST: Final = {"distance": 2, "length": 2, "girth": 3}
 
@@ -40,25 +41,21 @@ def read(path: str | os.PathLike[str]) -> list[Measure]:
         A line is none of these; the message names it.
     """
     found: list[Measure] = []
-    with open(path, newline="", encoding="utf-8-sig") as file:
-        for number, row in enumerate(csv.reader(file, skipinitialspace=True), 1):
-            if not row or row[0].startswith("#"):
-                continue
-            where = f"line {number} of {os.fsdecode(path)}"
-            name, kind, *numbers = [each.strip() for each in row] if len(row) > 1 else [row[0], ""]
-            if kind not in _FEWEST:
-                raise ValueError(f"{where} must be: name, distance or length or girth, numbers of vertices; it is {', '.join(row)}")
-            try:
-                vertices = np.array([int(each) for each in numbers], np.int64)
-            except (ValueError, OverflowError):
-                raise ValueError(f"{where}: numbers of vertices are whole numbers from 0; they are {', '.join(numbers)}") from None
-            if len(vertices) < _FEWEST[kind] or (kind == "distance" and len(vertices) > 2) or vertices.min() < 0:
-                raise ValueError(f"{where}: a {kind} has {'two' if kind == 'distance' else f'{_FEWEST[kind]} or more'} numbers of vertices, from 0")
-            if not name or any(name == other.name for other in found):
-                raise ValueError(f"{where}: each measurement needs a name of its own; this one is '{name}'")
-            found.append(Measure(name, kind, vertices))
+    for where, row in _tables.rows(path):
+        name, kind, *numbers = row if len(row) > 1 else [row[0], ""]
+        if kind not in _FEWEST:
+            raise ValueError(f"{where} must be: name, distance or length or girth, numbers of vertices; it is {', '.join(row)}")
+        try:
+            vertices = np.array([int(each) for each in numbers], np.int64)
+        except (ValueError, OverflowError):
+            raise ValueError(f"{where}: numbers of vertices are whole numbers from 0; they are {', '.join(numbers)}") from None
+        if len(vertices) < _FEWEST[kind] or (kind == "distance" and len(vertices) > 2) or vertices.min() < 0:
+            raise ValueError(f"{where}: a {kind} has {'two' if kind == 'distance' else f'{_FEWEST[kind]} or more'} numbers of vertices, from 0")
+        if not name or any(name == other.name for other in found):
+            raise ValueError(f"{where}: each measurement needs a name of its own; this one is '{name}'")
+        found.append(Measure(name, kind, vertices))
     if not found:
-        raise ValueError(f"{os.fsdecode(path)} names no measurement: a line is name, distance or length or girth, numbers of vertices")
+        raise ValueError(f"{shown(path)} names no measurement: a line is name, distance or length or girth, numbers of vertices")
     return found
 
 

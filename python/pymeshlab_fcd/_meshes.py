@@ -129,14 +129,12 @@ def posed(mesh: object, vertices: Points, faces: NDArray[np.uint32] | None, norm
     vertices = vertices.copy()  # for the mesh to keep
     normals = None if normals is None else normals.copy()
     if hasattr(mesh, "vertex_matrix"):
-        return importlib.import_module("pymeshlab").Mesh(vertices, given.face_matrix())
+        return _pymeshlab(given, vertices, normals)
     if _is_pyvista(mesh):
         other = given.copy()
         other.points = vertices
-        if "Normals" in other.point_data:
-            other.point_data.remove("Normals")
-            if normals is not None:
-                other.point_data["Normals"] = normals
+        _turn(other.point_data, normals)
+        _turn(other.cell_data, None if corners is None else _of_faces(vertices, corners), None if corners is None else _of_faces(now[0], corners))
         return other
     if hasattr(mesh, "has_triangles") or hasattr(mesh, "has_points"):  # Open3D
         other = copy.deepcopy(given)
@@ -144,8 +142,8 @@ def posed(mesh: object, vertices: Points, faces: NDArray[np.uint32] | None, norm
         cloud = hasattr(mesh, "has_points")
         setattr(other, "points" if cloud else "vertices", vectors(vertices))
         has = other.has_normals() if cloud else other.has_vertex_normals()
-        if has and normals is not None:
-            setattr(other, "normals" if cloud else "vertex_normals", vectors(normals))
+        if has:  # none: those at rest are left out
+            setattr(other, "normals" if cloud else "vertex_normals", vectors(np.zeros((0, 3)) if normals is None else normals))
         if not cloud and other.has_triangle_normals():
             other.compute_triangle_normals()
         return other
@@ -154,3 +152,42 @@ def posed(mesh: object, vertices: Points, faces: NDArray[np.uint32] | None, norm
     return other
 
 
+
+
+def _turn(data: Any, normals: Points | None, rest: Points | None = None) -> None:
+    """Gives points or cells of pyvista these normals where they have any; takes away what cannot be turned. rest: those before, of the faces,
+    which theirs may be opposite to."""
+    for name in {"Normals", data.active_normals_name} & set(data.keys()):
+        before = np.asarray(data[name], np.float64)
+        is_active, is_vector = (each == name for each in (data.active_normals_name, data.active_vectors_name))
+        data.remove(name)
+        if normals is None or before.shape != normals.shape:
+            continue
+        data[name] = normals if rest is None else normals * np.where((before * rest).sum(axis=1, keepdims=True) < 0, -1, 1)
+        if is_active:
+            data.active_normals_name = name
+        if is_vector:
+            data.active_vectors_name = name
+
+
+def _of_faces(vertices: Any, faces: Any) -> Points:
+    """Their normals, of length 1; 0 of those without an area."""
+    a, b, c = np.moveaxis(np.asarray(vertices, np.float64)[faces], 1, 0)
+    across = np.cross(b - a, c - a)
+    made: Points = across / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-300)
+    return made
+
+
+def _pymeshlab(given: Any, vertices: Points, normals: Points | None) -> Any:
+    """With all that its version lets one make a mesh of."""
+    made = importlib.import_module("pymeshlab").Mesh
+    has = {"v_scalar_array": ("has_vertex_scalar", "vertex_scalar_array"), "f_scalar_array": ("has_face_scalar", "face_scalar_array"),
+           "v_color_matrix": ("has_vertex_color", "vertex_color_matrix"), "f_color_matrix": ("has_face_color", "face_color_matrix"),
+           "v_tex_coords_matrix": ("has_vertex_tex_coord", "vertex_tex_coord_matrix"),
+           "w_tex_coords_matrix": ("has_wedge_tex_coord", "wedge_tex_coord_matrix")}
+    kept = {name: getattr(given, what)() for name, (is_there, what) in has.items() if name in made.__init__.__doc__ and getattr(given, is_there)()}
+    if normals is not None:
+        kept["v_normals_matrix"] = normals
+    other = made(vertices, given.face_matrix(), given.edge_matrix(), **kept)
+    other.set_label(given.label())
+    return other

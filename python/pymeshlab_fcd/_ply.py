@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -17,6 +18,7 @@ from ._numbers import shown
 _TYPES = {"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4", "double": "f8",
           "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4", "float32": "f4", "float64": "f8"}
 _NORMALS = ("nx", "ny", "nz")
+_FACES = ("face", "tristrips")
 
 
 @dataclass
@@ -33,13 +35,13 @@ class Ply:
         self._name = shown(path)
         with open(os.fspath(path), "rb") as file:
             content = file.read()
-        end = content.find(b"end_header")
-        begin = content.find(b"\n", end) + 1
-        if not content.startswith(b"ply") or end < 0 or begin == 0:
+        ends = re.search(rb"\nend_header[ \t\r]*\n", content)
+        if not content.startswith(b"ply") or ends is None:
             raise ValueError(f"{self._name} is no PLY file")
-        self._head, self._elements, order = content[:begin], list[_Element](), ""
+        begin = ends.end()
+        self._head, self._elements, order = content[:begin].splitlines(keepends=True), list[_Element](), ""
         try:
-            for words in (line.split() for line in content[:end].decode("latin-1").splitlines()):
+            for words in ([word.decode("utf-8", "replace") for word in line.split()] for line in self._head):
                 if words[:1] == ["format"]:
                     order = {"ascii": "ascii", "binary_little_endian": "<", "binary_big_endian": ">"}[words[1]]
                 elif words[:1] == ["element"]:
@@ -70,11 +72,11 @@ class Ply:
             self.vertices = self._columns(("x", "y", "z"))
             line = first.count
             for element in self._elements[1:]:
-                if element.name == "face":
+                if element.name in _FACES:
                     if line + element.count > len(lines):
                         raise ValueError("it has fewer faces than it says")
                     corners = [self._corners(element, [float(each) for each in row.split()]) for row in lines[line:line + element.count]]
-                    self._faces = _triangles(corners)
+                    self._add_faces(element, corners)
                 line += element.count
             return
         kind = np.dtype([(name, self._order + each) for name, each, _ in first.properties])
@@ -85,11 +87,15 @@ class Ply:
         self._rest = content[end:]
         self.vertices = self._columns(("x", "y", "z"))
         at = 0
-        for element in self._elements[1:]:
+        last = max((i for i, element in enumerate(self._elements) if element.name in _FACES), default=0)
+        for element in self._elements[1:last + 1]:  # nothing else is needed
             faces, at = self._binary(element, at)
-            if element.name == "face":
-                self._faces = _triangles(faces)
-                break  # nothing else is needed
+            self._add_faces(element, faces)
+
+    def _add_faces(self, element: _Element, corners: list[list[int]] | NDArray[np.int64]) -> None:
+        if element.name in _FACES:
+            made = _triangles(corners) if element.name == "face" else _of_strips(corners)
+            self._faces = made if self._faces is None else np.concatenate([self._faces, made])
 
     def _corners(self, element: _Element, numbers: list[float]) -> list[int]:
         found, at = [0], 0
@@ -172,6 +178,7 @@ class Ply:
         if normals is not None and self.normals is not None:
             new += list(zip(_NORMALS, normals.T))
         new += list(others.items())
+        kinds = {name: kind if kind in ("f4", "f8") else "f8" if kind in ("i4", "u4") else "f4" for name, kind, _ in self._elements[0].properties}
         if self._order == "ascii":
             rows = [list(row) for row in self._rows]
             for name, values in new:
@@ -180,12 +187,37 @@ class Ply:
                     row[k] = repr(float(value)).encode()
             body = b"".join(b" ".join(row) + b"\n" for row in rows)
         else:
-            table = self._table.copy()
+            changed = dict(new)
+            table = self._table.astype([(name, self._order + (kinds[name] if name in changed else kind)) for name, kind, _ in self._elements[0].properties])
             for name, values in new:
                 table[name] = values
             body = table.tobytes()
         with _files.written([path]) as files:
-            files[0].write(self._head + body + self._rest)
+            files[0].write(self._new_head({name: kinds[name] for name, _ in new}) + body + self._rest)
+
+    def _new_head(self, kinds: Mapping[str, str]) -> bytes:
+        """With other types of the vertices' properties, by name, where these are whole numbers."""
+        head, names = list(self._head), iter(self._elements[0].properties)
+        for i, line in enumerate(head):
+            words = line.split()
+            if words[:1] == [b"property"] and (now := next(names, None)) and kinds.get(now[0], now[1]) != now[1]:
+                head[i] = re.sub(rb"(property\s+)\S+", rb"\1" + (b"double" if kinds[now[0]] == "f8" else b"float"), line, count=1)
+        return b"".join(head)
+
+
+def _of_strips(strips: list[list[int]] | NDArray[np.int64]) -> NDArray[np.int64]:
+    """Of triangle strips; in each, -1 begins another one. What has a corner twice only joins them."""
+    made: list[tuple[int, int, int]] = []
+    for strip in strips:
+        first = 0
+        for k in range(len(strip)):
+            if strip[k] < 0:
+                first = k + 1
+            elif k >= first + 2:
+                a, b, c = (int(each) for each in strip[k - 2:k + 1])
+                if a != b and b != c and c != a:
+                    made.append((a, b, c) if (k - first) % 2 == 0 else (b, a, c))
+    return np.array(made, np.int64).reshape(-1, 3)
 
 
 def _triangles(faces: list[list[int]] | NDArray[np.int64]) -> NDArray[np.int64]:

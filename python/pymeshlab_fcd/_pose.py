@@ -356,7 +356,11 @@ class Pose(Unchanging):
         return made
 
     def mesh(self) -> Any:
-        """The mesh of another library that the Deformer was given, as a copy in this pose.
+        """The mesh of another library that the Deformer was given, as a copy in this pose, with all that it carries.
+
+        Normals of vertices and faces are those of the pose where it stores any; a cloud's, which the Deformer was not given (`normals`), are
+        left out. Other vectors stay as they are. Of pymeshlab, the copy has normals, quality, colours, texture coordinates (not in 2022.2),
+        edges and label; a mesh cannot be made with selections, texture images, custom attributes, polygons or a matrix.
 
         Raises
         ------

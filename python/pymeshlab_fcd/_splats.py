@@ -2,6 +2,7 @@
 """Gaussian splats that are carried along: their rotations, their scales and the harmonics of their colours."""
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from typing import Any, Final
 
@@ -126,4 +127,6 @@ def columns(names: Sequence[str], read: Points, linear: Numbers) -> dict[str, Nu
         coefficients = of(rest)
         coefficients[known] = turned_harmonics(coefficients[known].reshape(-1, 3, len(rest) // 3), linear[known]).reshape(-1, len(rest))
         made.update(zip(rest, coefficients.T))
+    elif rest:
+        warnings.warn(f"The {len(rest)} harmonics of the colours stay unturned: those of the bands 1 to 3 are 9, 24 or 45.", stacklevel=2)
     return made

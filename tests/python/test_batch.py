@@ -143,7 +143,7 @@ def test_fits_take_what_counts_and_how_stiff(tmp_path, capsys):
     assert not any((other == made[0]).all() for other in made[1:4])
     (tmp_path / "scan0.obj").write_text("v 0 0 0\n")
     capsys.readouterr()
-    assert main(["fit", str(tmp_path / "template.ply"), str(tmp_path / "scan0.obj"), "--out", str(tmp_path / "out"), "--target-weights", "quality"]) == 1
+    assert main(["fit", str(tmp_path / "template.ply"), str(tmp_path / "scan0.obj"), "--out", str(tmp_path / "other"), "--target-weights", "quality"]) == 1
     assert "is no PLY file, so it has no quality" in capsys.readouterr().out
 
 
@@ -298,7 +298,7 @@ def test_what_is_not_symmetric_becomes_so(tmp_path, capsys):
     row = table(tmp_path / "out" / "symmetrize.csv")[str(tmp_path / "skull.ply")]
     assert float(row["after"]) < 0.3 * float(row["before"]) and float(row["moved"]) > 0 and (tmp_path / "out" / "skull.fcd").exists()
     assert main(["symmetrize", str(tmp_path / "skull.ply"), "--midlines", str(tmp_path / "pairs"), "--out", str(tmp_path / "out")]) == 1
-    assert "must have 3 numbers in a line" in capsys.readouterr().out
+    assert "must have 3 numbers, x, y, z, with points for decimals" in capsys.readouterr().out
 
 
 def test_rows_are_added_and_half_a_row_is_not_counted(tmp_path, capsys):
@@ -308,12 +308,12 @@ def test_rows_are_added_and_half_a_row_is_not_counted(tmp_path, capsys):
         write_ply(tmp_path / file, vertices, faces, tags)
     command = ["deform", *files, "--move", "2", "translate 0 0 1", "--out", str(tmp_path / "o")]
     written = []
-    whole = batch._Table.write
-    batch._Table.write = lambda self: written.append(1) or whole(self)
+    whole = batch.Table.write
+    batch.Table.write = lambda self: written.append(1) or whole(self)
     try:
         assert main(command) == 0 and len(written) == 2  # the columns, with the first one, and in the end
     finally:
-        batch._Table.write = whole
+        batch.Table.write = whole
     path = tmp_path / "o" / "deform.csv"
     text = path.read_bytes()
     path.write_bytes(text[:-30])  # as an interrupt may leave it

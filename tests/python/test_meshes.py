@@ -50,6 +50,47 @@ def test_pymeshlab(expected):
     assert same(pose.vertices, expected) and same(pose.mesh().vertex_matrix(), expected)
 
 
+def test_pymeshlab_keeps_what_it_has():
+    pymeshlab = pytest.importorskip("pymeshlab")
+    vertices, faces, tags, lift = bar()
+    random = np.random.default_rng(0)
+    mesh = pymeshlab.Mesh(vertices, faces, v_scalar_array=random.normal(size=len(vertices)), f_scalar_array=random.normal(size=len(faces)),
+                          v_color_matrix=random.random((len(vertices), 4)), f_color_matrix=random.random((len(faces), 4)),
+                          v_tex_coords_matrix=random.random((len(vertices), 2)), w_tex_coords_matrix=random.random((3 * len(faces), 2)))
+    mesh.set_label("bar")
+    pose = Deformer(mesh, tags=tags).pose({2: lift})
+    other = pose.mesh()
+    for name in ("vertex_scalar_array", "face_scalar_array", "vertex_color_array", "face_color_array", "vertex_tex_coord_matrix", "wedge_tex_coord_matrix",
+                 "face_matrix", "label"):
+        assert np.array_equal(getattr(other, name)(), getattr(mesh, name)()), name
+    assert same(other.vertex_matrix(), pose.vertices)
+    cloud = Deformer(pymeshlab.Mesh(vertices, v_color_matrix=random.random((len(vertices), 4))), tags=tags, normals=np.tile([0, 0, 1.0], (len(vertices), 1)))
+    pose = cloud.pose({2: lift})
+    assert same(pose.mesh().vertex_normal_matrix(), pose.normals) and not pose.mesh().has_wedge_tex_coord()
+    assert not Deformer(pymeshlab.Mesh(vertices, faces), tags=tags).pose({2: lift}).mesh().label()
+
+
+def test_normals_of_pyvista_are_those_of_the_pose():
+    pyvista = pytest.importorskip("pyvista")
+    vertices, faces, tags, lift = bar()
+    for flip in (False, True):
+        mesh = pyvista.PolyData.from_regular_faces(vertices, faces)
+        mesh.compute_normals(split_vertices=False, consistent_normals=False, auto_orient_normals=False, flip_normals=False, inplace=True)
+        if flip:
+            mesh.cell_data["Normals"] *= -1
+        for data in (mesh.point_data, mesh.cell_data):
+            data["direction"] = data["Normals"].copy()
+            data.active_vectors_name = "Normals"
+        other = Deformer(mesh, tags=tags).pose({2: lift}).mesh()
+        fresh = pyvista.PolyData.from_regular_faces(other.points, faces).compute_normals(split_vertices=False, consistent_normals=False, auto_orient_normals=False)
+        assert np.abs(other.cell_data["Normals"] - (-1 if flip else 1) * fresh.cell_data["Normals"]).max() < 1e-5
+        for data in (other.point_data, other.cell_data):
+            assert data.active_normals_name == "Normals" and data.active_vectors_name == "Normals" and "direction" in data
+    cloud = pyvista.PolyData(vertices)
+    cloud.point_data["Normals"] = np.tile([0, 0, 1.0], (len(vertices), 1))
+    assert "Normals" not in Deformer(cloud, tags=tags).pose({2: lift}).mesh().point_data
+
+
 def test_open3d(expected):
     open3d = pytest.importorskip("open3d")
     vertices, faces, tags, lift = bar()

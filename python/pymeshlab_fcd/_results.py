@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The table of what one command did, beside its results: what each is of, and how it was written."""
+from __future__ import annotations
+
+import csv
+import io
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from . import _files
+
+Row = dict[str, object]
+_LAST = ("seconds", "warnings", "error", "source", "result", "key")
+
+
+def told(path: str | os.PathLike[str]) -> str:
+    """A name for tables and messages, the same in any locale; bytes that are no UTF-8 as \\xe9."""
+    return os.fsencode(path).decode("utf-8", "backslashreplace")
+
+
+def source(path: Path) -> str:
+    """What a row is of, wherever the command is called."""
+    return told(os.path.abspath(path))
+
+
+def state(*paths: Path) -> str:
+    """Sizes and times of files: others when one was written anew. Empty where one is not there."""
+    try:
+        return "; ".join(f"{known.st_size} {known.st_mtime_ns}" for known in (os.stat(path) for path in paths))
+    except OSError:
+        return ""
+
+
+class Table:
+    """The rows of what is done, in a file to which each is added as it comes. The last one of a file counts."""
+
+    def __init__(self, path: Path, files: Sequence[Path] = ()) -> None:
+        """Raises ValueError where the file is none of these tables, OSError where it cannot be read."""
+        self.path = path
+        self.rows: dict[str, Row] = {}
+        if path.exists():
+            with open(path, newline="", encoding="utf-8-sig", errors="replace") as file:
+                reader = csv.DictReader(line.replace("\0", "") for line in file)
+                if not {"file", "key"} <= set(reader.fieldnames or ["file", "key"]):
+                    raise ValueError(f"{told(path)} would be written over, but is no table of results: rename it, or give another folder")
+                self.rows = {row["source"]: dict(row) for row in reader if row.get("key") and row.get("source")}  # the last may be half a row
+        self.order = list(dict.fromkeys([*map(source, files), *self.rows]))
+        self.names: list[str] = []
+        self._results: dict[str, list[Row]] | None = None
+
+    def owners(self, out: Path) -> list[Row]:
+        """Those of which a file is the result, as it was written."""
+        if self._results is None:
+            self._results = {}
+            for row in self.rows.values():
+                self._results.setdefault(Path(f"{row['source']}").stem.casefold(), []).append(row)
+        now = state(out)
+        return [row for row in self._results.get(told(out.stem).casefold(), []) if now and f"{row['result']}".split("; ")[0] == now]
+
+    def write(self) -> None:
+        """All of it, in the order of the files."""
+        self.names = list(dict.fromkeys(["file", *(name for row in self.rows.values() for name in row if name not in _LAST), *_LAST]))
+        text = io.StringIO(newline="")
+        writer = csv.DictWriter(text, self.names, restval="")
+        writer.writeheader()
+        writer.writerows(self.rows[name] for name in self.order if name in self.rows)
+        _files.write(self.path, text.getvalue().encode("utf-8", "backslashreplace"))
+
+    def add(self, path: Path, row: Row) -> None:
+        row = {"file": told(path), **row, "source": source(path)}
+        self.rows[source(path)] = row
+        if not set(row) <= set(self.names):  # columns that it does not have yet
+            self.write()
+            return
+        with open(self.path, "a", newline="", encoding="utf-8", errors="backslashreplace") as file:
+            csv.DictWriter(file, self.names, restval="").writerow(row)

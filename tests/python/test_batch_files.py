@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""python -m pymeshlab_fcd: whose a result is, what ends it, and files as others write them."""
+import csv
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from shapes import bar
+from test_batch import scans, table, write_ply
+
+from pymeshlab_fcd import Deformer, Motion, _tables, read_curves
+from pymeshlab_fcd._batch import main
+from pymeshlab_fcd._ply import Ply
+
+
+def refused(capsys, command):
+    with pytest.raises(SystemExit) as ended:
+        main([str(each) for each in command])
+    assert ended.value.code == 2
+    return capsys.readouterr().err
+
+
+def test_a_result_is_of_one_file_and_one_job(tmp_path, capsys, monkeypatch):
+    vertices, faces, tags, _ = bar(9, 3)
+    out = tmp_path / "o"
+    for name in "ab":
+        (tmp_path / name).mkdir()
+        write_ply(tmp_path / name / "x.ply", vertices + [0, 0, ord(name)], faces, tags)
+    lift = ["--move", "2", "translate 0 0 1", "--out", str(out)]
+    command = ["deform", str(tmp_path / "a" / "x.ply"), *lift]
+    assert main(command) == 0
+    made = (out / "x.ply").read_bytes()
+    said = refused(capsys, ["deform", tmp_path / "b" / "x.ply", *lift])
+    assert f"x.ply is what deform made of {tmp_path / 'a' / 'x.ply'}: give another folder, or delete it first" in said
+    monkeypatch.chdir(tmp_path / "b")  # by a name that the other one could have, too
+    assert "is what deform made of" in refused(capsys, ["deform", "x.ply", *lift])
+    Deformer(vertices, faces, tags).pose({2: Motion.translate([0, 0, 1])}).deformation().save(tmp_path / "bend.fcd")
+    assert "is what deform made of" in refused(capsys, ["apply", tmp_path / "bend.fcd", tmp_path / "a" / "x.ply", "--out", out])
+    assert "is what deform made of" in refused(capsys, ["symmetrize", tmp_path / "b" / "x.ply", "--again", "--out", out])
+    monkeypatch.chdir(tmp_path / "a")
+    assert main(["deform", "x.ply", *lift]) == 0 and "1 of 1 files are done already" in capsys.readouterr().out  # the same one
+    assert (out / "x.ply").read_bytes() == made
+    (out / "x.ply").write_bytes(made[:-1] + b"?")
+    assert main(command) == 0 and "done already" not in capsys.readouterr().out and (out / "x.ply").read_bytes() == made
+    assert len(table(out / "deform.csv")) == 1
+    (out / "x.ply").unlink()  # it is free
+    assert main(["deform", str(tmp_path / "b" / "x.ply"), *lift]) == 0
+    assert main([*command, "--deformations", "--out", str(tmp_path / "p")]) == 0
+    (tmp_path / "p" / "x.fcd").unlink()
+    assert main([*command, "--deformations", "--out", str(tmp_path / "p")]) == 0 and (tmp_path / "p" / "x.fcd").exists()
+    (tmp_path / "p" / "symmetrize.csv").write_text("my,own\n1,2\n")
+    assert "is no table of results" in refused(capsys, ["symmetrize", tmp_path / "b" / "x.ply", "--out", tmp_path / "p"])
+
+
+def test_the_mean_is_of_what_was_fitted(tmp_path, capsys):
+    from pymeshlab_fcd import _batch
+
+    vertices, faces, tags, files = scans(tmp_path, 2)
+    write_ply(tmp_path / "mean.ply", vertices, faces, tags)
+    out = tmp_path / "o"
+    command = ["fit", str(tmp_path / "template.ply"), *files, "--mean", "--out", str(out)]
+    assert main(["deform", str(tmp_path / "mean.ply"), "--out", str(out)]) == 0
+    assert f"is what deform made of {tmp_path / 'mean.ply'}" in refused(capsys, command)
+    (out / "mean.ply").unlink()
+    job = _batch._JOBS["fit"]
+
+    def beside(given, path, other, threads):  # another program writes there, too
+        row = job(given, path, other, threads)
+        (out / "scan0.ply").write_bytes((tmp_path / "mean.ply").read_bytes())
+        return row
+
+    _batch._JOBS["fit"] = beside
+    try:
+        assert main(command) == 1 and not (out / "mean.ply").exists()
+    finally:
+        _batch._JOBS["fit"] = job
+    assert "no mean is made: " in capsys.readouterr().err
+    assert main(command) == 0 and (out / "mean.ply").exists()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals")
+@pytest.mark.parametrize("how, status", [(signal.SIGTERM, 143), (signal.SIGINT, 130), (signal.SIGKILL, -9)])
+def test_its_processes_end_with_it(tmp_path, how, status):
+    vertices, faces, _, files = scans(tmp_path, 12)
+    x, y = np.meshgrid(np.linspace(0, 10, 601), np.linspace(0, 1, 101), indexing="ij")  # seconds each
+    i = np.arange(601 * 101).reshape(601, 101)[:-1, :-1].ravel()
+    write_ply(tmp_path / "template.ply", np.stack([x.ravel(), y.ravel(), np.sin(5 * x.ravel()) / 10], 1),
+              np.concatenate([np.stack([i, i + 101, i + 1], 1), np.stack([i + 1, i + 101, i + 102], 1)]))
+    command = [sys.executable, "-m", "pymeshlab_fcd", "fit", str(tmp_path / "template.ply"), *files, "--processes", "2", "--out", str(tmp_path / "o")]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True) as run:
+        try:
+            run.stdout.readline()
+            run.send_signal(how)  # to it alone
+            begin = time.monotonic()
+            said = run.communicate(timeout=60)[1].decode()  # all that have its streams are gone
+            assert time.monotonic() - begin < 30 and run.returncode == status, said
+        finally:
+            try:
+                os.killpg(run.pid, signal.SIGKILL)
+            except ProcessLookupError:
+                pass
+    assert "Traceback" not in said and (status < 0 or "the same command goes on from here" in said)
+    rows = table(tmp_path / "o" / "fit.csv")
+    assert 0 < len(rows) < 12 and not any(row["error"] for row in rows.values())
+    assert status < 0 or not list((tmp_path / "o").glob("*.part"))
+
+
+def test_scans_are_whole_scenes(tmp_path, capsys):
+    trimesh = pytest.importorskip("trimesh")
+    vertices, faces, _, _ = bar(9, 3)
+    mesh = trimesh.Trimesh(vertices, faces, process=False)
+    move = np.diag([-1.0, 1, 1, 1])
+    move[2, 3] = 5
+    scene = trimesh.Scene({"a": mesh})
+    scene.add_geometry(mesh, geom_name="b", node_name="b", transform=move)
+    scene.export(tmp_path / "two.glb")
+    lines = [f"v {x} {y} {z}\n" for x, y, z in vertices]
+    corners = [f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces]
+    (tmp_path / "m.mtl").write_text("newmtl m\nKd 1 0 0\nnewmtl n\nKd 0 1 0\n")
+    (tmp_path / "parts.obj").write_text("".join(["mtllib m.mtl\n", *lines, "usemtl m\n", *corners[:9], "usemtl n\n", *corners[9:]]))
+    trimesh.Scene([trimesh.PointCloud(vertices)]).export(tmp_path / "points.glb")
+    (tmp_path / "points.xyz").write_text("".join(line[2:] for line in lines))
+    trimesh.Scene([trimesh.load_path([[[0, 0, 0], [1, 0, 0]]])]).export(tmp_path / "line.glb")
+    from pymeshlab_fcd._batch import _target
+
+    found, corners, _ = _target(tmp_path / "two.glb")
+    assert len(found) == 2 * len(vertices) and len(corners) == 2 * len(faces)
+    assert np.abs(np.sort(found[:, 2]) - np.sort(np.r_[vertices[:, 2], vertices[:, 2] + 5])).max() < 1e-6 and found[:, 0].min() == -10
+    up = np.cross(found[corners[:, 1]] - found[corners[:, 0]], found[corners[:, 2]] - found[corners[:, 0]])[:, 2]
+    assert (np.sign(up) == np.sign(up[0])).all()  # the mirrored one has its outside outside
+    found, corners, _ = _target(tmp_path / "parts.obj")
+    assert len(corners) == len(faces) and np.abs(np.sort(found[corners].mean(1), 0) - np.sort(vertices[faces].mean(1), 0)).max() < 1e-6
+    for name in ("points.glb", "points.xyz"):
+        found, corners, _ = _target(tmp_path / name)
+        assert np.abs(found - vertices).max() < 1e-6 and corners is None
+    assert main(["info", str(tmp_path / "line.glb")]) == 1 and "has neither a mesh nor points" in capsys.readouterr().out
+
+
+def test_tables_are_taken_as_spreadsheets_save_them(tmp_path):
+    path = tmp_path / "a.csv"
+    for text in ("1,2,3\n4,5,6\n", "\ufeff1,2,3\r\n4,5,6\r\n", "1;2;3\n\n# more\n4;5;6;;\n", "1\t2\t3\n4\t5\t6", "1,\t2,\t3 # the nose\n\"4\",+5,6e0\n"):
+        path.write_text(text, encoding="utf-8", newline="")
+        assert (_tables.numbers(path, 3, "x, y, z") == [[1, 2, 3], [4, 5, 6]]).all(), text
+    for text, where in (("x,y,z\n1,2,3\n", "line 1"), ("1,2,3\n4,5\n", "line 2"), ("1,5;2;3\n", "line 1"), ("1,2,3\n\n1,2,nan\n", "line 3"), ("1,2,3,4\n", "line 1")):
+        path.write_text(text)
+        with pytest.raises(ValueError, match=f"{where} of .*a.csv must have 3 numbers, x, y, z, with points for decimals and commas or semicolons"):
+            _tables.numbers(path, 3, "x, y, z")
+    path.write_bytes("1,2,3\n".encode("utf-16"))
+    with pytest.raises(ValueError, match="line 1 of .*a.csv must have 3 numbers"):
+        _tables.numbers(path, 3, "x, y, z")
+    path.write_text("# none\n")
+    with pytest.raises(ValueError, match="a.csv has no line with 3 numbers, x, y, z"):
+        _tables.numbers(path, 3, "x, y, z")
+    path.write_text("\ufeffcurve;surface;x;y;z\n" + "".join(f"a;{which};{k};0;0\n" for which in ("source", "target") for k in range(2)), encoding="utf-8")
+    assert read_curves(path)[0].name == "a"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="others have no such names")
+def test_names_may_have_any_characters(tmp_path):
+    vertices, faces, tags, _ = bar(9, 3)
+    write_ply(tmp_path / "a.ply", vertices, faces, tags)
+    names = ["\u00fc \u65e5.ply".encode(), b"\xe9.ply"]
+    for name in names:
+        os.link(tmp_path / "a.ply", os.fsencode(tmp_path) + b"/" + name)
+    command = [sys.executable, "-m", "pymeshlab_fcd", "deform", *names, "missing\udce9.ply", "--move", "2", "translate 0 0 1", "--out", "o"]
+    for more in ({}, {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONIOENCODING": ""}, {}):
+        for processes in "12":
+            done = subprocess.run([*command, "--processes", processes], cwd=tmp_path, env={**os.environ, **more}, capture_output=True, timeout=120)
+            assert done.returncode == 1 and b"Traceback" not in done.stderr and b"\\xe9.ply: failed: " in done.stdout, done
+    assert b"2 of 3 files are done already" in done.stdout
+    with open(tmp_path / "o" / "deform.csv", newline="", encoding="utf-8") as file:
+        assert [row["file"] for row in csv.DictReader(file)] == ["\u00fc \u65e5.ply", "\\xe9.ply", "missing\\xe9.ply"]
+    assert {name for name in os.listdir(os.fsencode(tmp_path / "o")) if name.endswith(b".ply")} == set(names)
+
+
+def test_motions_and_folders_that_cannot_be_are_refused_at_once(tmp_path, capsys):
+    vertices, faces, tags, _ = bar(9, 3)
+    write_ply(tmp_path / "a.ply", vertices, faces, tags)
+    for moves, message in ((["two", "translate 0 0 1"], "--move two 'translate 0 0 1': the first is the tag of a handle, a whole number from 2"),
+                           (["1", "translate 0 0 1"], "a whole number from 2"), (["2", "rotat 0 0 1"], "expected 'translate', 'rotate'"),
+                           (["2", "3: translate 0 0 1"], "without its tag"), (["2", "scale 0"], "must be greater than 0"),
+                           (["2", "translate 0 0 1", "--move", "2", "translate 0 0 2"], "handle 2 moves already")):
+        assert message in refused(capsys, ["deform", tmp_path / "a.ply", "--move", *moves, "--out", tmp_path / "o"])
+    assert not (tmp_path / "o").exists()
+    (tmp_path / "o").write_text("")
+    assert f"--out {tmp_path / 'o'} is no folder" in refused(capsys, ["deform", tmp_path / "a.ply", "--out", tmp_path / "o"])
+    (tmp_path / "o").unlink()
+    assert main(["deform", str(tmp_path / "a.ply"), "--move", "2", "translate 0 0 1 rotate 1 0 0 300", "--out", str(tmp_path / "o")]) == 0
+    row = table(tmp_path / "o" / "deform.csv")[str(tmp_path / "a.ply")]
+    assert "rigid" not in row["warnings"]
