@@ -522,6 +522,20 @@ TEST(BendModel, APartOfAnAnimationHasTheFramesOfTheWhole) {
     EXPECT_EQ(expectAnimation(state).key.size(), 3U);
 }
 
+TEST(BendModel, EachVertexHasItsFaces) {
+    const Bent bent(Limb());
+    const VertexFaces faces(bent.arrays);
+    const SurfaceView surface = bent.arrays->View();
+    ASSERT_EQ(faces.vertexSlots(), surface.vertexSlots);
+    std::size_t corners = 0;
+    for (std::size_t i = 0; i < surface.vertexSlots; ++i)
+        faces.forEach(i, [&](const std::uint32_t *corner) {
+            EXPECT_EQ(std::count(corner, corner + 3, i), 1);
+            ++corners;
+        });
+    EXPECT_EQ(corners, 3 * surface.faces);
+}
+
 TEST(BendModel, StepsTellARigidMotion) {
     Eigen::Matrix3Xd from = Eigen::Matrix3Xd::Random(3, 30);
     from.colwise() -= from.rowwise().mean();

@@ -72,6 +72,8 @@ class BendSession {
 
     /// Begins to read the surface, beside what is done next, that handles need.
     void readAhead() { reach.begin(); }
+    /// The faces of each vertex, null while the surface is being read.
+    const VertexFaces *faces() { return reach.faces(); }
     /// What would go with a vertex under the mouse, or with a handle of a vertex, about as it will be: null while the
     /// surface is being read. \param usual as addPoint() has it
     std::shared_ptr<const BendExtent> glimpse(std::size_t slot, double usual);
