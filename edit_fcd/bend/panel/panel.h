@@ -74,6 +74,9 @@ class BendPanel : public QDockWidget {
     /// Whether there is a surface whose stretch can be shown.
     void allowStretch(bool allowed);
     bool graphLayers() const { return graphs->isChecked(); }
+    bool hasOnionSkin() const { return onion->isChecked(); }
+    /// Whether its ghosts are drawn as points, as the layer has so many faces.
+    void setGhostsArePoints(bool arePoints);
     QString motions() const { return motionText->toPlainText(); }
 
     /// Shows the handles' motions, unless they are being typed.
@@ -87,8 +90,9 @@ class BendPanel : public QDockWidget {
     BendLineBox &line() { return *lineBox; }
 
   signals:
-    void optionsChanged(); ///< mode, pose, smoothness, falloff, elastic, patches, weights, mirror, axes, stretch
-    void poseBegins();     ///< before the pose changes, once for each way of the slider
+    void
+    optionsChanged(); ///< mode, pose, smoothness, falloff, elastic, patches, weights, mirror, axes, stretch, onion skin
+    void poseBegins(); ///< before the pose changes, once for each way of the slider
     void modeChosen();
     void left();        ///< by Esc, in one of its fields
     void roleChanged(); ///< what is marked, by a person
@@ -111,7 +115,7 @@ class BendPanel : public QDockWidget {
     QComboBox *role, *mirrorAxis, *falloffChoice, *weightsChoice, *axesChoice;
     QSpinBox *number, *brushPixels, *patchCount;
     QDoubleSpinBox *radiusPercent, *smoothnessValue;
-    QCheckBox *through, *elastic, *stretch, *graphs;
+    QCheckBox *through, *elastic, *stretch, *graphs, *onion;
     QSlider *poseSlider;
     QPlainTextEdit *motionText;
     PanelState *state;
