@@ -1784,5 +1784,5 @@ def test_ghosts_of_a_large_layer_are_points(window, tmp_path):
     w.wait("trace: ghosts: 1, of ")
     w.shot("points")
     vertices, kind = re.findall(r"trace: ghosts: 1, of (\d+) vertices, as (\w+)", w.text())[-1]
-    assert kind == "points" and len(points) / 3 < int(vertices) <= 20000
+    assert kind == "points" and 100 < int(vertices) < len(points) / 2 # what moves
     w.click(w.place("onion"))

@@ -3,6 +3,7 @@
 
 #include "edit_fcd/view/layer_drawing.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace {
@@ -16,12 +17,14 @@ const std::size_t mostGhostPoints = 20000;
 
 bool GhostParts::isPoints(std::size_t faces) { return faces == 0 || faces > mostGhostFaces; }
 
-GhostParts GhostParts::of(const vcg::fcd::SurfaceView &surface) {
+GhostParts GhostParts::of(const vcg::fcd::SurfaceView &surface, const std::vector<int> &tags) {
     GhostParts parts;
     if (isPoints(surface.faces)) {
-        const std::size_t every = 1 + surface.vertexSlots / mostGhostPoints;
-        for (std::size_t i = 0; i < surface.vertexSlots; i += every)
-            if (!surface.IsDeleted(i))
+        const auto moves = [](int tag) { return tag > 0; };
+        const std::size_t every = 1 + std::size_t(std::count_if(tags.begin(), tags.end(), moves)) / mostGhostPoints;
+        std::size_t met = 0;
+        for (std::size_t i = 0; i < surface.vertexSlots; ++i)
+            if (moves(tags[i]) && met++ % every == 0 && !surface.IsDeleted(i))
                 parts.slot.push_back(std::uint32_t(i));
         return parts;
     }
@@ -68,7 +71,7 @@ void LayerGhost::draw(const CMeshO &mesh) {
     glColor4ubv(color.V());
     usePositions(positions);
     if (parts->element.empty()) {
-        glDepthRange(0.0001, 1);
+        glDepthRange(0.001, 1); // a point is some pixels wide, of which the layer is before its middle
         glDrawArrays(GL_POINTS, 0, int(parts->slot.size()));
     } else {
         drawTriangles(elements, parts->element.size());

@@ -12,14 +12,16 @@
 
 #include <QOpenGLBuffer>
 
-/// What the ghosts of a layer are drawn from: its surface, or, of a cloud or a large surface, some vertices as points.
+/// What the ghosts of a layer are drawn from: its surface, or, of a cloud or a large surface, some of the vertices that
+/// move, as points.
 struct GhostParts {
     std::vector<std::uint32_t> slot;    ///< vertices
     std::vector<std::uint32_t> element; ///< three corners a triangle, places in \p slot; none: points are drawn
 
     /// Whether a surface of so many faces is too large to be drawn a few times more.
     static bool isPoints(std::size_t faces);
-    static GhostParts of(const vcg::fcd::SurfaceView &surface);
+    /// \param tags one per vertex slot: what is not above 0 stays
+    static GhostParts of(const vcg::fcd::SurfaceView &surface, const std::vector<int> &tags);
 };
 
 /// A shape that a layer has at another time, pale and see-through. It is behind the layer where both are at the same

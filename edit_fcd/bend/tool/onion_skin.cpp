@@ -72,7 +72,8 @@ void BendOnionSkin::begin() {
     search = std::move(begun);
     const auto find = [search = search](const vcg::fcd::Progress &progress) {
         if (!search->parts)
-            search->parts = std::make_shared<const GhostParts>(GhostParts::of(search->shapes->surface->View()));
+            search->parts = std::make_shared<const GhostParts>(
+                GhostParts::of(search->shapes->surface->View(), *search->shapes->tags));
         for (auto &[weight, shape] : search->found)
             shape =
                 std::make_shared<const std::vector<float>>(search->shapes->of(weight, search->parts->slot, progress));
