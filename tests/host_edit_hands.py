@@ -1699,3 +1699,90 @@ def test_contact_is_told_and_shown(window, tmp_path):
     assert w.text().count("triangles pass through others, which they did not at rest") == 1 # it was there all the time
     w.key("ctrl+z", "ctrl+z", "ctrl+z")
     assert "triangles pass through" not in said() and not magenta()
+
+
+def test_key_frames_beside_what_is_shown_are_ghosts(window, tmp_path):
+    """Green the one before, blue the one after, while one scrubs and poses; they go with the box, with the tool, and while the animation is
+    played. What is known of them is kept, and the layer has nothing of it."""
+    w, points, *_ = tube_with_poses(window, tmp_path)
+    w.drag((X + 240, Y - 60), (X + 180, Y - 210)) # beside the gizmo
+    keep_pose(w, "bent")
+    bent = load(w.save("bent.ply"))[0]
+    w.do("mousemove", X, Y + 230)
+    plain = w.seen()
+    found = lambda: re.findall(r"trace: ghosts: (\d), of (\d+) vertices, as (\w+)", w.text())
+
+    def tinted(seen, against):
+        """How many pixels are greener, and how many bluer, than before; and where these are, from left to right."""
+        more = (seen - against)[..., 1:] - (seen - against)[..., :1]
+        return [(np.count_nonzero(part), np.nonzero(part)[1].mean() if part.any() else 0)
+                for part in (more[..., 0] > np.maximum(more[..., 1], 0) + 12, more[..., 1] > np.maximum(more[..., 0], 0) + 12)]
+
+    w.more()
+    w.click(w.place("onion"))
+    w.wait("trace: ghosts: 1, of ")
+    w.do("mousemove", X, Y + 230)
+    w.shot("after_rest")
+    assert found()[-1][1:] == (str(len(points)), "faces")
+    (green, place), (blue, _) = tinted(w.seen(), plain)
+    assert green > 2000 and place > 270 and blue < 100 # the straight tube was to the right
+    w.click(w.place("onion"))
+    w.do("mousemove", X, Y + 230)
+    assert np.array_equal(w.seen(), plain)
+
+    w.unfold("poses_fold", "keep")
+    x, y, width, _ = w.box("timeline")
+    at = lambda share: (x + 8 + round(share * (width - 16)), y + 8)
+    w.press_and_move(at(0), at(0.5))
+    w.do("mouseup", 1, "mousemove", X, Y + 230)
+    between = w.seen()
+    w.click(w.place("onion"))
+    w.wait("trace: ghosts: 2, of ")
+    w.do("mousemove", X, Y + 230)
+    w.shot("between")
+    (green, right), (blue, left) = tinted(w.seen(), between)
+    assert green > 1000 and blue > 1000 and left < right - 20
+    count = len(found())
+    w.press_and_move(at(0.5), at(0.9))
+    w.shot("scrubbing")
+    w.do("mouseup", 1)
+    assert len(found()) == count # they are known
+
+    w.press_and_move((X - 60, Y), (X - 60, Y - 40)) # what is posed is none of the key frames; ghosts are there nevertheless
+    w.shot("posing")
+    w.do("mouseup", 1)
+    w.do("mousemove", *w.place("play"), "click", 1, settle=False)
+    w.wait("trace: frame: at", 10)
+    w.shot("playing")
+    w.do("mousemove", X, Y + 230, "click", 1)
+    w.key("ctrl+z", "ctrl+z", "ctrl+z")
+    assert np.array_equal(load(w.save("bent_again.ply"))[0], bent)
+    w.toggle_tool()
+    w.do("mousemove", X, Y + 230)
+    w.shot("left")
+    left = w.seen()
+    w.start_tool() # it is remembered
+    w.until("ghosts again", lambda: len(found()) > count)
+    w.shot("again")
+    w.more()
+    w.click(w.place("onion"))
+    w.toggle_tool()
+    w.do("mousemove", X, Y + 230)
+    assert np.array_equal(w.seen(), left)
+
+
+def test_ghosts_of_a_large_layer_are_points(window, tmp_path):
+    """Which a drag hardly waits for."""
+    points, faces = tube_of(np.linspace(-1, 1, 200), 80, 0.4)
+    w = window(write_ply(tmp_path / "large.ply", points, faces))
+    w.start_tool()
+    w.unfold("poses_fold", "keep")
+    w.drag((X + 40, Y), (X + 60, Y - 80))
+    keep_pose(w, "pulled")
+    w.more()
+    w.click(w.place("onion"))
+    w.wait("trace: ghosts: 1, of ")
+    w.shot("points")
+    vertices, kind = re.findall(r"trace: ghosts: 1, of (\d+) vertices, as (\w+)", w.text())[-1]
+    assert kind == "points" and 100 < int(vertices) < len(points) / 2 # what moves
+    w.click(w.place("onion"))

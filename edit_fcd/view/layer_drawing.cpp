@@ -11,6 +11,12 @@ std::uint32_t DrawnVertices::operator()(std::size_t i) {
     return place[i];
 }
 
+void DrawnVertices::clear() {
+    for (const std::uint32_t i : slot)
+        place[i] = none;
+    slot.clear();
+}
+
 LayerDrawing::LayerDrawing(const CMeshO &mesh) {
     glPushAttrib(GL_ALL_ATTRIB_BITS);
     glPushClientAttrib(GL_CLIENT_VERTEX_ARRAY_BIT);

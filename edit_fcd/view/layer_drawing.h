@@ -14,10 +14,13 @@
 /// The vertices of a layer that are drawn, in the order in which they are first asked for.
 class DrawnVertices {
   public:
-    explicit DrawnVertices(const CMeshO &mesh) : place(mesh.vert.size(), none) {}
+    explicit DrawnVertices(std::size_t count) : place(count, none) {}
 
     /// The place of a vertex among them. \param i its slot
     std::uint32_t operator()(std::size_t i);
+    bool has(std::size_t i) const { return place[i] != none; }
+    /// There are none. Costs as much as those that there were.
+    void clear();
 
     std::vector<std::uint32_t> slot; ///< of each
 

@@ -11,7 +11,7 @@ LayerOverlay::LayerOverlay() : elements(QOpenGLBuffer::IndexBuffer) {
 
 void LayerOverlay::show(const CMeshO &mesh, const std::vector<vcg::Color4b> &shown, const std::vector<char> *isIn) {
     hide();
-    DrawnVertices placeOf(mesh);
+    DrawnVertices placeOf(mesh.vert.size());
     for (std::size_t f = 0; f < mesh.face.size(); ++f) {
         const CFaceO &face = mesh.face[f];
         if (face.IsD() || (isIn && !(*isIn)[f]))
@@ -29,6 +29,15 @@ void LayerOverlay::show(const CMeshO &mesh, const std::vector<vcg::Color4b> &sho
     slot = std::move(placeOf.slot);
     for (const std::uint32_t i : slot)
         color.push_back(shown[i]);
+    vertexSlots = mesh.vert.size();
+    isChanged = isMoved = true;
+}
+
+void LayerOverlay::show(const CMeshO &mesh, std::vector<std::uint32_t> newSlot, std::vector<vcg::Color4b> newColor,
+                        std::vector<std::uint32_t> newElement) {
+    slot = std::move(newSlot);
+    color = std::move(newColor);
+    element = std::move(newElement);
     vertexSlots = mesh.vert.size();
     isChanged = isMoved = true;
 }

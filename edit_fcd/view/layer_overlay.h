@@ -21,6 +21,10 @@ class LayerOverlay {
     /// \param color one per vertex slot; where alpha is 0, nothing is shown \param isIn one per face slot: only over
     /// these; null: over all
     void show(const CMeshO &mesh, const std::vector<vcg::Color4b> &color, const std::vector<char> *isIn = nullptr);
+    /// The same of triangles that are known. \param slot vertices \param color of these \param element three corners a
+    /// triangle, places in \p slot
+    void show(const CMeshO &mesh, std::vector<std::uint32_t> slot, std::vector<vcg::Color4b> color,
+              std::vector<std::uint32_t> element);
     void hide();
     /// The vertices of the layer have other positions from now on.
     void move() { isMoved = true; }

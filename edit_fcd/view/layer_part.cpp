@@ -43,7 +43,7 @@ LayerPart::LayerPart(const CMeshO &mesh, const std::vector<char> &isIn, const La
     : mesh(mesh), look(look), elements(QOpenGLBuffer::IndexBuffer) {
     positions.setUsagePattern(QOpenGLBuffer::DynamicDraw);
     normals.setUsagePattern(QOpenGLBuffer::DynamicDraw);
-    DrawnVertices placeOf(mesh);
+    DrawnVertices placeOf(mesh.vert.size());
     for (std::size_t f = 0; f < mesh.face.size(); ++f)
         for (int k = 0; k < 3 && isIn[f] && !mesh.face[f].IsD(); ++k)
             element.push_back(placeOf(std::size_t(mesh.face[f].cV(k) - mesh.vert.data())));

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <edit_fcd/bend/model/ghosts.h>
 #include <edit_fcd/bend/model/handles.h>
 #include <edit_fcd/bend/model/marks.h>
 #include <edit_fcd/bend/model/model.h>
@@ -520,6 +521,59 @@ TEST(BendModel, APartOfAnAnimationHasTheFramesOfTheWhole) {
     EXPECT_THROW(expectAnimation(state), Error);
     state.poses = std::make_shared<const PoseSequence>(poses);
     EXPECT_EQ(expectAnimation(state).key.size(), 3U);
+}
+
+TEST(BendModel, GhostsAreTheKeyFramesBeside) {
+    const std::vector<KeyFrame> keys = withPose(withPose({}, "2: scale 2"), "2: scale 3").key; // at 0, 1 and 2
+    const std::vector<double> none, rest = {0, 0}, first = {100, 0}, second = {0, 100};
+    const auto are = [&](double time, bool isShown, const std::vector<double> &before,
+                         const std::vector<double> &after) {
+        const GhostFrames ghosts = ghostFrames(keys, time, isShown);
+        return ghosts.before == before && ghosts.after == after;
+    };
+    EXPECT_TRUE(are(0, true, none, first));
+    EXPECT_TRUE(are(0.5, true, rest, first));
+    EXPECT_TRUE(are(1, true, rest, second)) << "what is shown is no ghost";
+    EXPECT_TRUE(are(1, false, first, second)) << "where something else is posed, it is one";
+    EXPECT_TRUE(are(2, true, first, none));
+    EXPECT_TRUE(are(2, false, second, none));
+    EXPECT_TRUE(ghostFrames({keys.front()}, 1, true).before.empty()) << "one is no animation";
+}
+
+TEST(BendModel, AGhostHasTheShapeOfItsBlend) {
+    Bent bent(Limb());
+    bent.mark(0, 0, [](const Eigen::Vector3d &p) { return p[0] < -0.5; });
+    bent.mark(2, 0, [](const Eigen::Vector3d &p) { return p[0] > 0.5; });
+    BlendShapes shapes;
+    shapes.surface = bent.arrays;
+    shapes.tags = bent.model.influence.tags;
+    shapes.world = Eigen::Translation3d(5, 0, 0) * Eigen::Scaling(2.0);
+    const Motion up((Eigen::Matrix4d(Eigen::Affine3d(Eigen::Translation3d(0, 0.4, 0)).matrix())));
+    shapes.poses = {{{2, up}}};
+    const auto held = std::uint32_t(bent.nearest({0.9, 0, 0.08})), still = std::uint32_t(bent.nearest({-0.9, 0, 0.08}));
+    const std::vector<float> whole = shapes.of({100}, {held, still}, {}), half = shapes.of({50}, {held}, {});
+    EXPECT_NEAR(double(whole[1]), bent.position[held][1] + 0.2, 1e-5) << "layer units: its matrix makes 0.4 of that";
+    EXPECT_NEAR(double(half[1]), bent.position[held][1] + 0.1, 1e-5);
+    for (int d = 0; d < 3; ++d)
+        EXPECT_EQ(whole[std::size_t(3 + d)], float(bent.position[still][d]));
+    EXPECT_EQ(shapes.of({0}, {held}, {})[1], float(bent.position[held][1]));
+    shapes.tags = std::make_shared<const BendTags>(bent.position.size(), 1);
+    shapes.deformer = nullptr;
+    EXPECT_THROW(shapes.of({100}, {held}, {}), Error) << "nothing is a handle";
+}
+
+TEST(BendModel, EachVertexHasItsFaces) {
+    const Bent bent(Limb());
+    const VertexFaces faces(bent.arrays);
+    const SurfaceView surface = bent.arrays->View();
+    ASSERT_EQ(faces.vertexSlots(), surface.vertexSlots);
+    std::size_t corners = 0;
+    for (std::size_t i = 0; i < surface.vertexSlots; ++i)
+        faces.forEach(i, [&](const std::uint32_t *corner) {
+            EXPECT_EQ(std::count(corner, corner + 3, i), 1);
+            ++corners;
+        });
+    EXPECT_EQ(corners, 3 * surface.faces);
 }
 
 TEST(BendModel, StepsTellARigidMotion) {

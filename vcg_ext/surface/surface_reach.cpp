@@ -2,8 +2,8 @@
 #include <vcg_ext/surface/surface_reach.h>
 
 #include <functional>
+#include <limits>
 #include <queue>
-#include <unordered_map>
 #include <utility>
 
 namespace vcg::fcd {
@@ -12,28 +12,28 @@ std::vector<Index> NodesWithin(const Graph &graph, const std::vector<Index> &see
                                std::vector<double> *distances) {
     using Item = std::pair<double, Index>;
     std::priority_queue<Item, std::vector<Item>, std::greater<Item>> queue;
-    std::unordered_map<Index, double> distance;
+    const double unknown = std::numeric_limits<double>::infinity();
+    std::vector<double> distanceOf(std::size_t(graph.Size()), unknown);
     std::vector<Index> found;
     if (distances)
         distances->clear();
-    for (const Index seed : seeds)
-        if (distance.emplace(seed, 0).second)
+    for (const Index seed : seeds) {
+        if (distanceOf[std::size_t(seed)] == unknown)
             queue.emplace(0, seed);
+        distanceOf[std::size_t(seed)] = 0;
+    }
     while (!queue.empty()) {
         const auto [d, u] = queue.top();
         queue.pop();
-        if (d > distance[u])
+        if (d > distanceOf[std::size_t(u)])
             continue; // reached by a shorter way since
         found.push_back(u);
         if (distances)
             distances->push_back(d);
         for (Index v : graph.adjacency[u]) {
             const double there = d + double((graph.position.col(v) - graph.position.col(u)).norm());
-            if (!(there <= radius))
-                continue;
-            const auto at = distance.emplace(v, there);
-            if (at.second || there < at.first->second) {
-                at.first->second = there;
+            if (there <= radius && there < distanceOf[std::size_t(v)]) {
+                distanceOf[std::size_t(v)] = there;
                 queue.emplace(there, v);
             }
         }

@@ -99,9 +99,7 @@ std::shared_ptr<BendExtent> BendReach::kept(const std::vector<std::size_t> &vert
     made.radius = radius;
     std::vector<double> distances;
     const std::vector<vcg::fcd::Index> ball = nodesWithin(vertices, radius, &distances);
-    std::vector<char> isInside(std::size_t(surface->graph.Size()), 0);
-    for (const vcg::fcd::Index u : ball)
-        isInside[std::size_t(u)] = 1;
+    const std::vector<char> isInside = isAmong(ball);
     made.around = slotsOf(isInside);
     const Pieces beside = piecesBeside(isInside);
     const std::vector<char> isOfLimb = tipsOfLimb(beside, ball, distances, made.cut);
@@ -128,20 +126,18 @@ std::shared_ptr<const BendExtent> BendReach::whole(const std::vector<std::size_t
     BendExtent &made = *found;
     if (made.isWhole)
         return found;
-    std::vector<char> isInside(surface->nodeOf.size(), 0);
-    made.core = of(vertices, coreSize * radius);
-    for (const std::size_t i : made.core)
-        isInside[i] = 1;
-    std::vector<char> isBeyond(isInside.size(), 0);
+    const std::vector<char> isCore = isAmong(nodesWithin(vertices, coreSize * radius));
+    made.core = slotsOf(isCore);
+    std::vector<char> isBeyond(isCore.size(), 0);
     for (const std::size_t i : made.tips)
-        isBeyond[i] = 1;
-    for (const std::size_t i : tips(isInside))
-        isBeyond[i] = 1;
-    for (const std::size_t i : looseAmong(isBeyond, hair))
-        isBeyond[i] = 1;
-    for (std::size_t i = 0; i < isBeyond.size(); ++i)
-        if (isBeyond[i])
-            made.beyond.push_back(i);
+        isBeyond[std::size_t(surface->nodeOf[i])] = 1;
+    const auto add = [&](const std::vector<char> &more) {
+        for (std::size_t u = 0; u < more.size(); ++u)
+            isBeyond[u] = char(isBeyond[u] || more[u]);
+    };
+    add(tipNodes(isCore));
+    add(looseNodes(isBeyond, hair));
+    made.beyond = slotsOf(isBeyond);
     findShares(made);
     made.isWhole = true;
     return found;

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstring>
+#include <numeric>
 #include <set>
 
 namespace {
@@ -26,12 +28,18 @@ void BendReach::begin() {
         auto read =
             std::make_unique<vcg::fcd::SurfaceGraph>(vcg::fcd::BuildSurfaceGraph(arrays->View(), nullptr, {}, metric));
         auto coarse = coarseOf(*read, glanceNodes);
-        return Surfaces{std::move(read), std::move(coarse)};
+        return Surfaces{std::move(read), std::move(coarse), std::make_unique<VertexFaces>(arrays)};
     });
 }
 
 bool BendReach::isRead() const {
     return surface || (pending.valid() && pending.wait_for(std::chrono::seconds(0)) == std::future_status::ready);
+}
+
+const VertexFaces *BendReach::faces() {
+    if (isRead())
+        wait();
+    return facesOfVertices.get();
 }
 
 BendReach &BendReach::glance() {
@@ -42,26 +50,44 @@ BendReach &BendReach::glance() {
 void BendReach::clear() {
     pending = {};
     surface.reset();
+    facesOfVertices.reset();
     coarse.reset();
     from.clear();
     reached.clear();
     extents.clear();
 }
 
+/// The slots of nodes, ascending.
 std::vector<std::size_t> BendReach::slotsOf(const std::vector<char> &isNodeIn) const {
-    std::vector<std::size_t> all;
-    for (std::size_t i = 0; i < surface->nodeOf.size(); ++i)
-        if (surface->nodeOf[i] >= 0 && isNodeIn[std::size_t(surface->nodeOf[i])])
-            all.push_back(i);
-    return all;
+    const std::size_t all = surface->nodeOf.size();
+    std::uint64_t eight = 0; // slots at a time: of most large layers, few are in
+    std::vector<char> isIn(all + sizeof(eight), 0);
+    std::size_t count = 0;
+    for (std::size_t u = 0; u < isNodeIn.size(); ++u)
+        for (std::uint32_t k = beginOf[u]; isNodeIn[u] && k < beginOf[u + 1]; ++k, ++count)
+            isIn[slotBy[k]] = 1;
+    std::vector<std::size_t> found;
+    found.reserve(count);
+    for (std::size_t i = 0; i < all; i += sizeof(eight)) {
+        std::memcpy(&eight, &isIn[i], sizeof(eight));
+        for (std::size_t k = i; eight != 0 && k < i + sizeof(eight); ++k)
+            if (isIn[k])
+                found.push_back(k);
+    }
+    return found;
 }
 
 /// One of the vertices of a node.
-std::size_t BendReach::slotOf(vcg::fcd::Index node) const {
-    return std::size_t(std::find(surface->nodeOf.begin(), surface->nodeOf.end(), node) - surface->nodeOf.begin());
+std::size_t BendReach::slotOf(vcg::fcd::Index node) const { return slotBy[beginOf[std::size_t(node)]]; }
+
+/// Which nodes are some, or have one of some vertices.
+std::vector<char> BendReach::isAmong(const std::vector<vcg::fcd::Index> &nodes) const {
+    std::vector<char> isNodeIn(std::size_t(surface->graph.Size()), 0);
+    for (const vcg::fcd::Index u : nodes)
+        isNodeIn[std::size_t(u)] = 1;
+    return isNodeIn;
 }
 
-/// Which nodes have one of the vertices.
 std::vector<char> BendReach::nodesOf(const std::vector<char> &isIn) const {
     std::vector<char> isNodeIn(std::size_t(surface->graph.Size()), 0);
     for (std::size_t i = 0; i < isIn.size(); ++i)
@@ -83,14 +109,7 @@ const std::vector<std::size_t> &BendReach::of(const std::vector<std::size_t> &ve
     if (from == vertices && within == radius)
         return reached;
     wait();
-    reached.clear();
-    const std::vector<vcg::fcd::Index> nodes = nodesWithin(vertices, radius);
-    if (!nodes.empty()) {
-        std::vector<char> isIn(std::size_t(surface->graph.Size()), 0);
-        for (const vcg::fcd::Index u : nodes)
-            isIn[std::size_t(u)] = 1;
-        reached = slotsOf(isIn);
-    }
+    reached = slotsOf(isAmong(nodesWithin(vertices, radius)));
     from = vertices;
     within = radius;
     return reached;
@@ -142,11 +161,12 @@ void BendReach::wait() {
     if (surface)
         return;
     Surfaces read = pending.get();
-    take(std::move(read[0]));
-    if (!read[1])
+    take(std::move(read.fine));
+    facesOfVertices = std::move(read.faces);
+    if (!read.coarse)
         return;
     coarse = std::make_unique<BendReach>(source);
-    coarse->take(std::move(read[1]));
+    coarse->take(std::move(read.coarse));
     coarse->mostExtents = 2; // at one radius and another
 }
 
@@ -154,6 +174,16 @@ void BendReach::take(std::unique_ptr<vcg::fcd::SurfaceGraph> read) {
     surface = std::move(read);
     const int unknown = -1;
     const vcg::fcd::Graph &graph = surface->graph;
+    beginOf.assign(std::size_t(graph.Size()) + 1, 0);
+    for (const vcg::fcd::Index u : surface->nodeOf)
+        if (u >= 0)
+            ++beginOf[std::size_t(u) + 1];
+    std::partial_sum(beginOf.begin(), beginOf.end(), beginOf.begin());
+    slotBy.resize(beginOf.back());
+    std::vector<std::uint32_t> next(beginOf.begin(), beginOf.end() - 1);
+    for (std::size_t i = 0; i < surface->nodeOf.size(); ++i)
+        if (surface->nodeOf[i] >= 0)
+            slotBy[next[std::size_t(surface->nodeOf[i])]++] = std::uint32_t(i);
     partOf.assign(std::size_t(graph.Size()), unknown);
     partArea.clear();
     for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
@@ -190,6 +220,11 @@ std::size_t BendReach::carrierOf(std::size_t slot, double hair) {
 
 std::vector<std::size_t> BendReach::looseAmong(const std::vector<char> &isIn, double hair) {
     wait();
+    return slotsOf(looseNodes(nodesOf(isIn), hair));
+}
+
+/// The nodes of those parts. \param isNodeIn the others
+std::vector<char> BendReach::looseNodes(const std::vector<char> &isNodeIn, double hair) const {
     const vcg::fcd::Graph &graph = surface->graph;
     const auto cell = float(hair / surface->frame.scale);
     using Cell = std::array<int, 3>;
@@ -197,9 +232,9 @@ std::vector<std::size_t> BendReach::looseAmong(const std::vector<char> &isIn, do
         const Eigen::Vector3i at = (graph.position.col(u) / cell).array().floor().cast<int>();
         return Cell{at[0], at[1], at[2]};
     };
-    const std::vector<char> isNodeIn = nodesOf(isIn);
+    std::vector<char> all(isNodeIn.size(), 0);
     Eigen::AlignedBox3f box;
-    std::set<Cell> near; // cells of the others, and those beside them
+    std::set<Cell> met, near; // cells of the others, and those beside them, too
     Cell last{};
     float areaIn = 0;
     std::vector<char> isConnected(partArea.size(), 0);
@@ -209,14 +244,16 @@ std::vector<std::size_t> BendReach::looseAmong(const std::vector<char> &isIn, do
         isConnected[std::size_t(partOf[std::size_t(u)])] = 1;
         areaIn += surface->nodeArea[std::size_t(u)];
         box.extend(Eigen::Vector3f(graph.position.col(u)));
-        if (!near.empty() && cellOf(u) == last)
+        if (!met.empty() && cellOf(u) == last)
             continue;
         last = cellOf(u);
+        if (!met.insert(last).second)
+            continue;
         for (int i = 0; i < 27; ++i)
             near.insert({last[0] + i % 3 - 1, last[1] + i / 3 % 3 - 1, last[2] + i / 9 - 1});
     }
-    if (near.empty())
-        return {};
+    if (near.empty() || partArea.size() == 1)
+        return all;
     box = {box.min() - Eigen::Vector3f::Constant(cell), box.max() + Eigen::Vector3f::Constant(cell)};
     std::vector<char> isWithin(partArea.size(), 1), isNear(partArea.size(), 0);
     for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
@@ -226,13 +263,9 @@ std::vector<std::size_t> BendReach::looseAmong(const std::vector<char> &isIn, do
         isWithin[part] = box.contains(Eigen::Vector3f(graph.position.col(u)));
         isNear[part] = isNear[part] || (isWithin[part] && near.count(cellOf(u)) > 0);
     }
-    std::vector<std::size_t> all;
-    for (std::size_t i = 0; i < isIn.size(); ++i) {
-        if (surface->nodeOf[i] < 0)
-            continue;
-        const auto part = std::size_t(partOf[std::size_t(surface->nodeOf[i])]);
-        if (!isConnected[part] && isWithin[part] && isNear[part] && partArea[part] < largestTip * areaIn)
-            all.push_back(i);
+    for (std::size_t u = 0; u < all.size(); ++u) {
+        const auto part = std::size_t(partOf[u]);
+        all[u] = !isConnected[part] && isWithin[part] && isNear[part] && partArea[part] < largestTip * areaIn;
     }
     return all;
 }
@@ -266,9 +299,13 @@ BendReach::Pieces BendReach::piecesBeside(const std::vector<char> &isIn) const {
 
 std::vector<std::size_t> BendReach::tips(const std::vector<char> &isIn) {
     wait();
-    std::vector<char> isNodeIn = nodesOf(isIn);
+    return slotsOf(tipNodes(nodesOf(isIn)));
+}
+
+/// The nodes of the tips that others cut off.
+std::vector<char> BendReach::tipNodes(std::vector<char> isNodeIn) const {
     const Pieces pieces = piecesBeside(isNodeIn);
     for (std::size_t u = 0; u < isNodeIn.size(); ++u)
         isNodeIn[u] = pieces.of[u] >= 0 && pieces.isTip(std::size_t(pieces.of[u]));
-    return slotsOf(isNodeIn);
+    return isNodeIn;
 }

@@ -2,10 +2,12 @@
 #ifndef FCD_BEND_REACH_H
 #define FCD_BEND_REACH_H
 
-#include <vcg_ext/surface/surface_arrays.h>
+#include "edit_fcd/bend/model/vertex_faces.h"
+
 #include <vcg_ext/surface/surface_graph.h>
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <future>
 #include <list>
@@ -46,6 +48,9 @@ class BendReach {
     bool isRead() const; ///< so that nobody has to wait
     /// The same for a coarser surface, a few milliseconds' work for what is shown while the mouse moves.
     BendReach &glance();
+
+    /// The faces of each vertex, null while the surface is being read.
+    const VertexFaces *faces();
 
     /// The vertices within \p radius of some, given by their slots.
     const std::vector<std::size_t> &of(const std::vector<std::size_t> &vertices, double radius);
@@ -104,18 +109,26 @@ class BendReach {
     vcg::fcd::Index along(vcg::fcd::Index from, double ahead, const std::vector<double> &left) const;
     std::shared_ptr<BendExtent> kept(const std::vector<std::size_t> &vertices, double radius);
     std::vector<char> nodesOf(const std::vector<char> &isIn) const;
+    std::vector<char> isAmong(const std::vector<vcg::fcd::Index> &nodes) const;
+    std::vector<char> tipNodes(std::vector<char> isNodeIn) const;
+    std::vector<char> looseNodes(const std::vector<char> &isNodeIn, double hair) const;
     std::vector<vcg::fcd::Index> nodesWithin(const std::vector<std::size_t> &vertices, double radius,
                                              std::vector<double> *distances = nullptr) const;
     std::vector<std::size_t> slotsOf(const std::vector<char> &isNodeIn) const;
 
     Source source;
     std::unique_ptr<vcg::fcd::SurfaceGraph> surface;
-    std::unique_ptr<BendReach> coarse;                                       ///< null: there are few nodes anyway
-    using Surfaces = std::array<std::unique_ptr<vcg::fcd::SurfaceGraph>, 2>; ///< and the coarse one
-    std::future<Surfaces> pending;                                           ///< valid while they are being read
-    std::vector<int> partOf;                ///< of each node of the surface, the connected part
-    std::vector<float> partArea;            ///< frame units^2
-    std::vector<std::size_t> reached, from; ///< those of the last
+    std::unique_ptr<VertexFaces> facesOfVertices; ///< of the surface that is not coarse
+    std::unique_ptr<BendReach> coarse;            ///< null: there are few nodes anyway
+    struct Surfaces {
+        std::unique_ptr<vcg::fcd::SurfaceGraph> fine, coarse;
+        std::unique_ptr<VertexFaces> faces;
+    };
+    std::future<Surfaces> pending;              ///< valid while they are being read
+    std::vector<std::uint32_t> beginOf, slotBy; ///< where the slots of each node begin, and these, ascending
+    std::vector<int> partOf;                    ///< of each node of the surface, the connected part
+    std::vector<float> partArea;                ///< frame units^2
+    std::vector<std::size_t> reached, from;     ///< those of the last
     double within = 0;
     std::size_t mostExtents = 24; ///< as many handles as a person has; of a large layer each is some megabytes
     std::list<std::shared_ptr<BendExtent>> extents; ///< the last ones, the last first

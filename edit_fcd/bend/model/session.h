@@ -2,7 +2,8 @@
 #ifndef FCD_BEND_SESSION_H
 #define FCD_BEND_SESSION_H
 
-#include "edit_fcd/bend/model/model.h" // these before Qt
+#include "edit_fcd/bend/model/ghosts.h" // these before Qt
+#include "edit_fcd/bend/model/model.h"
 #include "edit_fcd/kit/history.h"
 #include "edit_fcd/shape/pose_solver.h"
 #include "edit_fcd/shape/rest_guard.h"
@@ -72,6 +73,8 @@ class BendSession {
 
     /// Begins to read the surface, beside what is done next, that handles need.
     void readAhead() { reach.begin(); }
+    /// The faces of each vertex, null while the surface is being read.
+    const VertexFaces *faces() { return reach.faces(); }
     /// What would go with a vertex under the mouse, or with a handle of a vertex, about as it will be: null while the
     /// surface is being read. \param usual as addPoint() has it
     std::shared_ptr<const BendExtent> glimpse(std::size_t slot, double usual);
@@ -158,6 +161,21 @@ class BendSession {
     /// \param time seconds since it began
     void showAnimation(double time);
     void endAnimation() { solver.endBlends(); }
+
+    /// What the shapes of blends follow from: while it is the same, so are they.
+    struct BlendSource {
+        std::shared_ptr<const BendTags> tags;
+        std::shared_ptr<const vcg::fcd::PoseSequence> poses;
+        std::shared_ptr<const vcg::fcd::SurfaceArrays> surface; ///< null: the rest shape has not been read
+        BendOptions options;
+
+        bool operator==(const BlendSource &o) const {
+            return tags == o.tags && poses == o.poses && surface == o.surface && options.givesSameShape(o.options);
+        }
+    };
+    BlendSource blendSource() const;
+    /// Finds these shapes. \return null where a pose moves what is no handle here \pre not beside the window
+    std::shared_ptr<BlendShapes> blendShapes();
 
     /// What is exported, as it was when that was asked for.
     struct Animation {

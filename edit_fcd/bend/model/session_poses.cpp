@@ -189,3 +189,26 @@ void BendSession::showAnimation(double time) {
     isLeft = false;
     writePose(solver.solveNextBlend(state().poses->WeightsAt(state().poses->key.front().time + time)));
 }
+
+BendSession::BlendSource BendSession::blendSource() const {
+    BlendSource source = {data.influence.tags, state().poses, surface, data.options};
+    source.options.pose = 100; // blends have all of it
+    return source;
+}
+
+std::shared_ptr<BlendShapes> BendSession::blendShapes() {
+    readSurface();
+    auto made = std::make_shared<BlendShapes>();
+    made->surface = surface;
+    made->tags = data.influence.tags;
+    made->world = rest.world();
+    made->param = deformationOf(data.options);
+    try {
+        made->poses = motionsOfPoses();
+    } catch (const Error &) {
+        return nullptr;
+    }
+    if (solver.isPrepared(made->tags, made->param))
+        made->deformer = solver.prepared()->deformer;
+    return made;
+}

@@ -182,7 +182,7 @@ void BendPanel::addMarking(QWidget &place) {
 
 void BendPanel::connectOptions() {
     for (QWidget *widget : std::initializer_list<QWidget *>{role, mirrorAxis, axesChoice, falloffChoice, weightsChoice,
-                                                            through, elastic, stretch, graphs, poseSlider})
+                                                            through, elastic, stretch, graphs, onion, poseSlider})
         widget->setFocusPolicy(Qt::NoFocus); // keys stay with the view
     connectSlider(
         *poseSlider, [this] { emit poseBegins(); },
@@ -195,7 +195,7 @@ void BendPanel::connectOptions() {
     connect(patchCount, &QSpinBox::editingFinished, this, &BendPanel::optionsChanged);
     for (const QComboBox *choice : {mirrorAxis, axesChoice, falloffChoice, weightsChoice})
         connect(choice, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &BendPanel::optionsChanged);
-    for (const QCheckBox *box : {elastic, stretch})
+    for (const QCheckBox *box : {elastic, stretch, onion})
         connect(box, &QCheckBox::toggled, this, &BendPanel::optionsChanged);
     connect(role, QOverload<int>::of(&QComboBox::activated), this, &BendPanel::roleChanged);
     connect(number, QOverload<int>::of(&QSpinBox::valueChanged), this, &BendPanel::roleChanged);

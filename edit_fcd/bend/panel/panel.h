@@ -75,6 +75,9 @@ class BendPanel : public QDockWidget {
     /// Whether there is a surface whose stretch can be shown.
     void allowStretch(bool allowed);
     bool graphLayers() const { return graphs->isChecked(); }
+    bool hasOnionSkin() const { return onion->isChecked(); }
+    /// Whether its ghosts are drawn as points, as the layer has so many faces.
+    void setGhostsArePoints(bool arePoints);
     QString motions() const { return motionText->toPlainText(); }
 
     /// Shows the handles' motions, unless they are being typed.
@@ -88,7 +91,7 @@ class BendPanel : public QDockWidget {
     BendLineBox &line() { return *lineBox; }
 
   signals:
-    void optionsChanged(); ///< mode, pose, what shapes the surface, mirror, axes, stretch
+    void optionsChanged(); ///< mode, pose, what shapes the surface, mirror, axes, stretch, onion skin
     void poseBegins();     ///< before the pose changes, once for each way of the slider
     void modeChosen();
     void left();        ///< by Esc, in one of its fields
@@ -112,7 +115,7 @@ class BendPanel : public QDockWidget {
     QComboBox *role, *mirrorAxis, *falloffChoice, *weightsChoice, *axesChoice;
     QSpinBox *number, *brushPixels, *patchCount;
     QDoubleSpinBox *radiusPercent, *smoothnessValue, *rigidityValue;
-    QCheckBox *through, *elastic, *stretch, *graphs;
+    QCheckBox *through, *elastic, *stretch, *graphs, *onion;
     QSlider *poseSlider;
     QPlainTextEdit *motionText;
     PanelState *state;

@@ -18,6 +18,12 @@
 
 // The buttons of the panel, and what they unfold.
 
+namespace {
+
+const char *const onionSetting = "fcd/bend/onion_skin";
+
+} // namespace
+
 void BendPanel::addCommands(QBoxLayout &column) {
     auto *grid = new QGridLayout;
     grid->setSpacing(3);
@@ -166,10 +172,25 @@ void BendPanel::addMore(QBoxLayout &column) {
     graphs->setObjectName("graphs");
     graphs->setToolTip("'Apply to new layer' also adds the deformation graph at rest and deformed");
     form->addRow(graphs, take);
+    onion = new QCheckBox;
+    onion->setObjectName("onion");
+    onion->setChecked(QSettings().value(onionSetting, false).toBool());
+    connect(onion, &QCheckBox::toggled, this, [](bool shown) { QSettings().setValue(onionSetting, shown); });
+    setGhostsArePoints(false);
+    form->addRow(onion);
     figures = new QLabel;
     figures->setObjectName("figures");
     form->addRow(figures);
     column.addWidget(moreOptions);
+}
+
+void BendPanel::setGhostsArePoints(bool arePoints) {
+    onion->setText(arePoints ? "Onion skin (points: the layer is large)" : "Onion skin");
+    onion->setToolTip(QString("Shows the key frames next to what is shown as ghosts: the one before in green, the one "
+                              "after in blue%1")
+                          .arg(arePoints ? ". This layer has so many faces that ghosts of faces would slow a drag: "
+                                           "they are some of its vertices"
+                                         : ""));
 }
 
 /// Once it has a place.

@@ -25,8 +25,10 @@ void BendTool::draw() {
         going->beforeDraw();
     beginDraw();
     if (preparing) {
-        if (layer())
+        if (layer()) {
             overlay->draw(model->cm);
+            drawGhosts();
+        }
     } else if (layer()) {
         if (moving && !moving->draw(seen)) {
             moving.reset();
@@ -34,6 +36,7 @@ void BendTool::draw() {
         }
         if (!moving)
             overlay->draw(model->cm);
+        drawGhosts();
         drawOverlay();
     } else if (!session && !isEnding && view)
         later([this] {
@@ -43,6 +46,11 @@ void BendTool::draw() {
             if (current.cm.vn > 0 && current.id() != refused)
                 start(*view->md(), view);
         });
+}
+
+void BendTool::drawGhosts() {
+    if (onionSkin)
+        onionSkin->draw(model->cm);
 }
 
 void BendTool::drawOverlay() const {
@@ -156,6 +164,8 @@ void BendTool::refresh() {
     if (!panel || !session)
         return;
     if (preparing) {
+        if (onionSkin)
+            onionSkin->pause();
         panel->showState(
             preparing.cancelled()
                 ? "Stopping ..."
@@ -172,6 +182,7 @@ void BendTool::refresh() {
     showPoses();
     showLines();
     lookForLine();
+    lookForGhosts();
     panel->showState(stateText());
     panel->showFigures(figuresText());
 }

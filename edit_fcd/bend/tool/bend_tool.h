@@ -4,6 +4,7 @@
 
 #include "edit_fcd/bend/tool/drag_interaction.h" // before Qt
 #include "edit_fcd/bend/tool/line_preview.h"
+#include "edit_fcd/bend/tool/onion_skin.h"
 
 #include "edit_fcd/bend/panel/actions.h"
 
@@ -88,8 +89,10 @@ class BendTool : public BendStage {
     // what is shown
     void showStretch();
     void drawOverlay() const;
+    void drawGhosts();
     void showHandles();
     void showPoses();
+    void lookForGhosts();
     void showLines();
     QString roleText() const;
     QString markingText() const;
@@ -102,6 +105,8 @@ class BendTool : public BendStage {
     std::map<int, std::unique_ptr<BendSession>> left; ///< of other layers of the document, by their number
     BendOptions usual;                                ///< what the next layer begins with: as the last had it
     std::unique_ptr<BendLinePreview> linePreview;     ///< while a line is given
+    std::unique_ptr<BendOnionSkin> onionSkin;         ///< while it is wanted
+    double timeOfGhosts = 0;                          ///< of the animation, shown last; seconds
     int hovered = 0;                                  ///< the handle under the mouse, 0: none
     bool keysBegin = false;                           ///< beginsByKey() what is under the mouse
     int keysTag = 0;                                  ///< the handle that keys find there, 0: none

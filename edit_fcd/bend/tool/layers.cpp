@@ -37,6 +37,7 @@ void BendTool::changeLayer(MeshDocument &newDocument, GLArea *area) {
 
 void BendTool::forgetDocument() {
     preparing.stop(); // waits for it
+    onionSkin.reset();
     going.reset();
     session.reset();
     left.clear();
@@ -69,6 +70,7 @@ bool BendTool::open(MeshModel &newModel) {
     colors = std::make_unique<MarkColors>(newModel);
     active = hovered = keysTag = 0;
     isChosen = keysBegin = false;
+    timeOfGhosts = 0;
     lit.reset();
     isLive = isShownChanged = false;
     return goesOn;
@@ -100,6 +102,7 @@ void BendTool::close() {
     going.reset();
     moving.reset();
     linePreview.reset();
+    onionSkin.reset();
     isStepWanted = false;
     leave();
     isPainted = false;

@@ -5,10 +5,15 @@
 
 #include <layer_fcd/tagging.h>
 
+#include <algorithm>
+
 namespace {
 
 const unsigned char opacity = 150;     // of marks, and of stretch, of 255: the surface is still seen
 const unsigned char alongOpacity = 60; // of what only goes along, and can be pulled by itself
+
+// Of the vertices: with more, to find their faces one by one takes as long as to go through all faces.
+const double mostColored = 0.125;
 
 } // namespace
 
@@ -29,20 +34,39 @@ std::vector<vcg::Color4b> MarkColors::of(const BendSession &session) {
                 color[i] = inContact;
         return color;
     }
-    const BendState &state = session.state();
-    const BendTags *making = session.marksBeingMade(), *marks = making ? making : state.marks.get();
-    const BendTags &held = making ? *making : session.tags();
-    std::set<int> grips, hidden;
-    for (const auto &[tag, point] : state.points)
-        if (point.isGrip)
-            grips.insert(tag);
+    std::vector<vcg::Color4b> color = ofMarks(session);
+    if (!previewed || session.marksBeingMade())
+        return color;
+    color.resize(session.tags().size(), vcg::Color4b(0, 0, 0, 0));
+    forPreview(session, [&](std::size_t i, const vcg::Color4b &own) { color[i] = own; });
+    return color;
+}
+
+namespace {
+
+std::set<int> hiddenIn(const BendState &state) {
+    std::set<int> hidden;
     for (const auto &[tag, each] : state.handles)
         if (each.isHidden)
             hidden.insert(tag);
+    return hidden;
+}
+
+} // namespace
+
+/// One colour per vertex slot, empty where nothing is marked or turned.
+std::vector<vcg::Color4b> MarkColors::ofMarks(const BendSession &session) const {
+    const BendState &state = session.state();
+    const BendTags *making = session.marksBeingMade(), *marks = making ? making : state.marks.get();
+    const BendTags &held = making ? *making : session.tags();
+    std::set<int> grips;
+    for (const auto &[tag, point] : state.points)
+        if (point.isGrip)
+            grips.insert(tag);
     std::vector<vcg::Color4b> color;
-    const bool isPreview = previewed && !making;
-    if (!marks && grips.empty() && !isPreview)
+    if (!marks && grips.empty())
         return color;
+    const std::set<int> hidden = hiddenIn(state);
     color.assign(held.size(), vcg::Color4b(0, 0, 0, 0));
     vcg::fcd::ParallelFor(0, held.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i)
@@ -51,9 +75,64 @@ std::vector<vcg::Color4b> MarkColors::of(const BendSession &session) {
                 color[i][3] = !making && isAlong(session.model(), i) ? alongOpacity : opacity;
             }
     });
-    if (isPreview)
-        addPreview(session, color);
     return color;
+}
+
+/// Which vertices marks give a colour, unless that is known.
+void MarkColors::findColored(const BendSession &session) {
+    const BendState &state = session.state();
+    Marked now = {state.marks, session.model().influence.tags, state.points, hiddenIn(state)};
+    if (marked == now)
+        return;
+    colored.clear();
+    colorOf.clear();
+    const std::vector<vcg::Color4b> color = ofMarks(session);
+    for (std::size_t i = 0; i < color.size(); ++i)
+        if (color[i][3]) {
+            colored.push_back(std::uint32_t(i));
+            colorOf.push_back(color[i]);
+        }
+    marked = std::move(now);
+}
+
+std::optional<MarkColors::Tint> MarkColors::tint(BendSession &session) {
+    if (!previewed || session.marksBeingMade() || isStretch(session) || layer.cm.fn == 0)
+        return {};
+    const VertexFaces *faces = session.faces(); // which were read for what would move
+    if (!faces)
+        return {};
+    findColored(session);
+    if (colored.size() > mostColored * faces->vertexSlots())
+        return {};
+    if (!room)
+        room = std::make_unique<DrawnVertices>(faces->vertexSlots());
+    DrawnVertices &placeOf = *room;
+    Tint tint;
+    const auto set = [&](std::size_t i, const vcg::Color4b &own) {
+        const std::size_t at = placeOf(i);
+        tint.color.resize(placeOf.slot.size());
+        tint.color[at] = own;
+    };
+    for (std::size_t k = 0; k < colored.size(); ++k)
+        set(colored[k], colorOf[k]);
+    forPreview(session, set);
+    const auto isSeen = [&](std::size_t i) { return placeOf.has(i) && tint.color[placeOf(i)][3] > 0; };
+    const std::size_t known = tint.color.size();
+    for (std::size_t j = 0; j < known; ++j) {
+        const std::uint32_t own = placeOf.slot[j];
+        if (tint.color[j][3] > 0)
+            faces->forEach(own, [&](const std::uint32_t *corner) {
+                if (*std::find_if(corner, corner + 3, isSeen) != own)
+                    return; // it is another one's
+                for (int k = 0; k < 3; ++k)
+                    tint.element.push_back(placeOf(corner[k]));
+                tint.color.resize(placeOf.slot.size(), vcg::Color4b(0, 0, 0, 0));
+            });
+    }
+    if (!tint.element.empty()) // else points would be drawn
+        tint.slot = placeOf.slot;
+    placeOf.clear();
+    return tint;
 }
 
 bool MarkColors::preview(std::shared_ptr<const BendExtent> extent) {
@@ -62,19 +141,20 @@ bool MarkColors::preview(std::shared_ptr<const BendExtent> extent) {
     return isOther;
 }
 
-void MarkColors::addPreview(const BendSession &session, std::vector<vcg::Color4b> &color) const {
+/// set(slot, color) for what would move.
+template <class Set>
+void MarkColors::forPreview(const BendSession &session, const Set &set) const {
     const BendTags &tags = session.tags();
     const auto *marks = session.state().marks.get();
-    const auto set = [&](std::size_t i, double share) {
-        if (marks && (*marks)[i] != 1)
-            return; // it stays, or moves by itself
-        color[i] = vcg::Color4b(250, 190, 40, (unsigned char)(share * opacity));
+    const auto mix = [&](std::size_t i, double share) {
+        if (!marks || (*marks)[i] == 1) // else it stays, or moves by itself
+            set(i, vcg::Color4b(250, 190, 40, (unsigned char)(share * opacity)));
     };
     for (const std::size_t i : previewed->beyond)
-        set(i, 1);
+        mix(i, 1);
     for (std::size_t k = 0; k < previewed->around.size(); ++k) {
         const std::size_t i = previewed->around[k];
         if (tags[i] < 2 || isAlong(session.model(), i))
-            set(i, previewed->share[k]);
+            mix(i, previewed->share[k]);
     }
 }

@@ -281,9 +281,35 @@ void BendTool::showPoses() {
         times.push_back(each.time);
         frames.push_back({each.time, int(each.easing), shown.empty() ? "at rest" : shown.join(", ")});
     }
+    panel->setGhostsArePoints(model->cm.fn > 0 && GhostParts::isPoints(std::size_t(model->cm.fn)));
     panel->poses().keys().show(frames, selected);
     BendTimeline &bar = panel->poses().timeline();
     bar.show(times);
     if (!isElsewhere)
         bar.showTime(time);
+}
+
+/// The key frames beside what is shown, unless they are played. While something is dragged, the ghosts stay.
+void BendTool::lookForGhosts() {
+    const auto *scrub = dynamic_cast<const ScrubInteraction *>(going.get());
+    if (!panel->hasOnionSkin() || !layer() || (going && going->isEndedByAll() && !scrub)) {
+        onionSkin.reset();
+        return;
+    }
+    if (!onionSkin)
+        onionSkin = std::make_unique<BendOnionSkin>([this] {
+            later([this] {
+                if (!panel || !session || !layer() || preparing)
+                    return;
+                lookForGhosts();
+                view->update();
+            });
+        });
+    if (drag()) {
+        onionSkin->pause();
+        return;
+    }
+    const std::optional<double> time = scrub ? std::optional(scrub->time()) : shownFrame();
+    timeOfGhosts = time.value_or(timeOfGhosts);
+    onionSkin->look(*session, timeOfGhosts, time.has_value());
 }

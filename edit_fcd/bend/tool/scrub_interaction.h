@@ -12,6 +12,7 @@ class ScrubInteraction : public BendInteraction {
         : BendInteraction(stage), kept(std::move(kept)) {}
     void begin(double time); ///< seconds, as the key frames have it
     void to(double time);
+    double time() const { return asked; } ///< seconds, as the key frames have it
     void end();
     void cancel() override; ///< the layer has the shape of before
     void move(QMouseEvent &) override {}

@@ -112,11 +112,15 @@ void BendStage::lookForContact() {
 void BendStage::showOverlay() {
     if (!layer())
         return;
-    const std::vector<vcg::Color4b> color = colors->of(*session);
-    if (color.empty())
-        overlay->hide();
-    else
-        overlay->show(model->cm, color);
+    if (std::optional<MarkColors::Tint> tint = colors->tint(*session)) {
+        overlay->show(model->cm, std::move(tint->slot), std::move(tint->color), std::move(tint->element));
+    } else {
+        const std::vector<vcg::Color4b> color = colors->of(*session);
+        if (color.empty())
+            overlay->hide();
+        else
+            overlay->show(model->cm, color);
+    }
     view->update();
 }
 

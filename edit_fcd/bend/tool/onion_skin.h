@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef FCD_BEND_ONION_SKIN_H
+#define FCD_BEND_ONION_SKIN_H
+
+#include "edit_fcd/bend/model/session.h" // before Qt
+
+#include "edit_fcd/kit/job_runner.h"
+#include "edit_fcd/view/layer_ghost.h"
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include <QObject>
+
+/// The key frames beside what is shown, as ghosts. Their shapes are found beside the window, and kept until handles,
+/// poses or the rest shape change; until then, the last ones are shown.
+class BendOnionSkin : public QObject {
+  public:
+    /// \param changed called when other ghosts are to be drawn; throws nothing
+    explicit BendOnionSkin(std::function<void()> changed) : changed(std::move(changed)) {}
+
+    /// Shows the key frames beside a time, as ghostFrames() has it, once they are found.
+    void look(BendSession &session, double time, bool isShown);
+    /// Nothing is shown, or looked for.
+    void hide();
+    /// Nothing is looked for: something else needs the time. What is shown stays.
+    void pause();
+    /// \pre as LayerGhost::draw()
+    void draw(const CMeshO &mesh);
+
+  private:
+    using Shape = std::shared_ptr<const std::vector<float>>; ///< holds null where there is none to be had
+    struct Search;
+
+    void show(LayerGhost &ghost, const std::vector<double> &weight);
+    void showWanted();
+    void begin();
+    void ended(const std::exception_ptr &thrown);
+
+    std::function<void()> changed;
+    GhostFrames wanted;
+    BendSession::BlendSource source; ///< of what is known
+    std::shared_ptr<BlendShapes> shapes;
+    std::shared_ptr<const GhostParts> parts; ///< null: of nothing yet
+    std::map<std::vector<double>, Shape> known;
+    std::shared_ptr<Search> search;                                 ///< that goes on
+    LayerGhost before{{40, 140, 60, 90}}, after{{60, 70, 210, 90}}; ///< green and blue, as Blender has them
+    JobRunner work{this};
+};
+
+#endif
