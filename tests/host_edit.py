@@ -496,7 +496,7 @@ def test_the_panel_can_keep_the_volume(window, tmp_path):
 
 
 def test_the_panel_can_let_the_surface_stretch(window, tmp_path):
-    other_shape_of_the_panel(window, tmp_path, "rigidity", 1, 0.01, "rigidity=0.25", button=1, typed="0.25")
+    other_shape_of_the_panel(window, tmp_path, "rigidity", 1, 0.003, "rigidity=0.25", button=1, typed="0.25")
 
 
 def marked_in(seen, plain):
