@@ -8,11 +8,14 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
+#include <cstdint>
 #include <mutex>
+#include <utility>
 
+using vcg::fcd::Index;
 using vcg::fcd::ParallelFor;
+using vcg::fcd::Progress;
 
 void computeFaceNormals(CMeshO &mesh, const std::vector<char> &moving) {
     ParallelFor(0, mesh.face.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
@@ -65,77 +68,62 @@ void computeBoxAndNormals(CMeshO &mesh, unsigned threads) {
 
 namespace {
 
-/// The terms of a range of faces in the sums of their corners' normals.
-struct NormalTerms {
-    Eigen::Vector3d normal[facesOfRange];
-    double weight[facesOfRange][3]; ///< 0: that vertex is not asked for
+struct NormalCount {
+    std::size_t all = 0, other = 0; ///< vertices of faces that have a normal; those whose is far from the faces'
 };
+
+/// Of vertices that are asked for, by their number. \param near the cosine of what is far
+template <class Asked>
+NormalCount countOtherNormals(const CMeshO &mesh, double near, const Asked &isAsked) {
+    using Corner = std::pair<std::size_t, std::size_t>; // of a vertex: its number, and three times the face's plus k
+    std::vector<Corner> corners = vcg::fcd::CollectInOrder<Corner>(
+        Progress(), "", Index(mesh.face.size()), [&](Index f, std::vector<Corner> &found) {
+            vcg::fcd::Prefetch(&mesh.face[std::min(std::size_t(f) + 16, mesh.face.size() - 1)]);
+            const CFaceO &face = mesh.face[std::size_t(f)];
+            for (std::size_t k = 0; !face.IsD() && k < 3; ++k)
+                if (const std::size_t i = vcg::tri::Index(mesh, face.cV(int(k))); isAsked(i))
+                    found.emplace_back(i, 3 * std::size_t(f) + k);
+        });
+    std::sort(corners.begin(), corners.end());
+    NormalCount count;
+    for (std::size_t c = 0; c < corners.size();) {
+        const std::size_t i = corners[c].first;
+        Eigen::Vector3d byArea(0, 0, 0), byAngle(0, 0, 0);
+        for (; c < corners.size() && corners[c].first == i; ++c) {
+            const CFaceO &face = mesh.face[corners[c].second / 3];
+            const int k = int(corners[c].second % 3);
+            const Eigen::Vector3d p = vcg::tri::PositionOf(*face.cV(k)),
+                                  a = vcg::tri::PositionOf(*face.cV((k + 1) % 3)) - p,
+                                  b = vcg::tri::PositionOf(*face.cV((k + 2) % 3)) - p, n = a.cross(b);
+            byArea += n;
+            byAngle += std::atan2(n.norm(), a.dot(b)) * n.stableNormalized();
+        }
+        const auto &n = mesh.vert[i].cN();
+        const Eigen::Vector3d own = Eigen::Vector3d(n[0], n[1], n[2]).stableNormalized();
+        if (byArea.isZero(0) || own.isZero(0))
+            continue;
+        ++count.all;
+        count.other += own.dot(byArea.stableNormalized()) < near && own.dot(byAngle.stableNormalized()) < near;
+    }
+    return count;
+}
 
 } // namespace
 
 bool hasOtherNormals(const MeshModel &layer, double degrees, double share) {
     const CMeshO &mesh = layer.cm;
     const double near = std::cos(degrees * double(EIGEN_PI) / 180);
-    std::vector<char> isAsked(mesh.vert.size(), 1); // then, whether a normal is far from those by area
-    std::size_t all = 0;
-    for (const bool byAngle : {false, true}) {
-        std::vector<Eigen::Vector3d> sum(mesh.vert.size(), Eigen::Vector3d::Zero());
-        const vcg::fcd::RangeResults<NormalTerms> terms(mesh.face.size(), facesOfRange);
-        const auto compute = [&](std::size_t first, std::size_t last) {
-            NormalTerms &range = terms.Of(first);
-            for (std::size_t f = first; f < last; ++f) {
-                const CFaceO &face = mesh.face[f];
-                for (int k = 0; k < 3; ++k)
-                    vcg::fcd::Prefetch(mesh.face[std::min(f + 16, last - 1)].cV(k));
-                double(&weight)[3] = range.weight[f - first];
-                bool isAny = false;
-                for (int k = 0; k < 3; ++k) {
-                    weight[k] = face.IsD() ? 0 : isAsked[vcg::tri::Index(mesh, face.cV(k))];
-                    isAny = isAny || weight[k] > 0;
-                }
-                if (!isAny)
-                    continue;
-                const Eigen::Vector3d p = vcg::tri::PositionOf(*face.cV(0)), a = vcg::tri::PositionOf(*face.cV(1)) - p,
-                                      b = vcg::tri::PositionOf(*face.cV(2)) - p, n = a.cross(b);
-                range.normal[f - first] = n;
-                if (!byAngle)
-                    continue;
-                const double length = n.stableNorm(), scale = length > 0 ? 1 / length : 0;
-                const float atP = vcg::fcd::AngleOfCotangent(float(a.dot(b) * scale)),
-                            atA = vcg::fcd::AngleOfCotangent(float(a.dot(a - b) * scale));
-                range.normal[f - first] *= scale;
-                weight[0] *= atP;
-                weight[1] *= atA;
-                weight[2] *= float(EIGEN_PI) - atP - atA;
-            }
-        };
-        const auto add = [&](std::size_t first, std::size_t last) {
-            const NormalTerms &range = terms.Of(first);
-            for (std::size_t f = first; f < last; ++f)
-                for (int k = 0; k < 3; ++k)
-                    if (const double weight = range.weight[f - first][k]; weight > 0)
-                        sum[vcg::tri::Index(mesh, mesh.face[f].cV(k))] += weight * range.normal[f - first];
-        };
-        vcg::fcd::ParallelForAdding(0, mesh.face.size(), facesOfRange, compute, add);
-        std::atomic<std::size_t> asked = 0, other = 0;
-        ParallelFor(0, mesh.vert.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
-            std::size_t askedHere = 0, otherHere = 0;
-            for (std::size_t i = first; i < last; ++i) {
-                const auto &n = mesh.vert[i].cN();
-                const Eigen::Vector3d own(n[0], n[1], n[2]);
-                isAsked[i] = isAsked[i] && !mesh.vert[i].IsD() && !own.isZero(0) && !sum[i].isZero(0);
-                askedHere += std::size_t(isAsked[i]);
-                isAsked[i] = isAsked[i] && own.stableNormalized().dot(sum[i].stableNormalized()) < near;
-                otherHere += std::size_t(isAsked[i]);
-            }
-            asked += askedHere;
-            other += otherHere;
+    const std::size_t several = mesh.vert.size() >> 12; // some 4000 vertices, by chance, settle it mostly
+    if (several > 1) {
+        const NormalCount some = countOtherNormals(mesh, near, [several](std::size_t i) {
+            return (std::uint64_t(i) * 0x9E3779B97F4A7C15u >> 32) % several == 0;
         });
-        all = byAngle ? all : std::size_t(asked);
-        if (double(other) <= share * double(all))
-            return false;
+        const double expected = share * double(some.all);
+        if (std::abs(double(some.other) - expected) > 6 * std::sqrt(expected * (1 - share))) // standard deviations
+            return double(some.other) > expected;
     }
-    return true;
+    const NormalCount every = countOtherNormals(mesh, near, [](std::size_t) { return true; });
+    return double(every.other) > share * double(every.all);
 }
 
 bool hasOwnNormals(const MeshModel &layer) {

@@ -21,8 +21,8 @@ void computeNormals(CMeshO &mesh, unsigned threads = 0);
 void computeBoxAndNormals(CMeshO &mesh, unsigned threads = 0);
 
 /// Whether more than a \p share of the vertices of faces have normals farther than \p degrees from those of the faces
-/// there, weighed by area and by angle, as programs do. Those by angle, which take longer, are only computed where
-/// those by area do not settle it.
+/// there, weighed by area and by angle, as programs do. Some thousand settle it, if they are six standard deviations
+/// from \p share; else all are asked.
 bool hasOtherNormals(const MeshModel &layer, double degrees, double share);
 
 /// Whether \p layer has normals that cannot be computed from its faces: a cloud's, or others than the faces'.
