@@ -211,7 +211,7 @@ std::vector<std::string> warningsOf(const SymmetrizedLayers &made) {
         warnings.emplace_back(
             "The surface is nearly as much like its mirror image in another plane: look at the plane, "
             "and give pairs, a midline or the plane itself where it is the wrong one.");
-    if (made.after > made.before)
+    if (made.after > made.before + 1e-6 * made.diagonal) // more than rounding
         warnings.emplace_back(
             "The result is farther from its mirror image than the surface was: the plane is hardly the "
             "right one. Give pairs, a midline or another plane.");

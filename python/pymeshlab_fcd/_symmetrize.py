@@ -264,7 +264,7 @@ def _words(made: Symmetrized, folded: int, diagonal: float) -> list[Told]:
     if not told.is_sure:
         found.append((SymmetryWarning, "The surface is nearly as much like its mirror image in another plane: look at the plane, and give "
                                        "pairs, a midline or the plane itself where it is the wrong one."))
-    if told.after > told.before:
+    if told.after > told.before + 1e-6 * diagonal:  # more than rounding
         found.append((SymmetryWarning, "The result is farther from its mirror image than the surface was: the plane is hardly the right one. "
                                        "Give pairs, a midline or another plane."))
     if told.matched < 0.3:  # then most of the shape is a guess

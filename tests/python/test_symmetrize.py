@@ -137,6 +137,34 @@ def test_a_missing_ear_does_not_hide_the_plane(side, radius):
     assert abs(made.plane[1][0]) > 0.99 and made.after < 0.05 * made.before
 
 
+def test_the_plane_of_a_cube_with_one_bump():
+    """In many other planes, all but the bump is its mirror image, too: it is in some that are tried first."""
+    a, b = (grid.ravel() for grid in np.meshgrid(np.linspace(-15, 15, 21), np.linspace(-15, 15, 21), indexing="ij"))
+    i = np.arange(441).reshape(21, 21)[:-1, :-1].ravel()
+    square = np.concatenate([np.stack([i, i + 21, i + 1], 1), np.stack([i + 1, i + 21, i + 22], 1)])
+    sides = [np.roll(np.stack([np.full(441, 15.0 * side), a, b], 1), axis, axis=1) for axis in range(3) for side in (-1, 1)]
+    every = np.concatenate([square[:, ::side] + 441 * k for k, side in enumerate([-1, 1] * 3)])
+    cube, same_place = np.unique(np.concatenate(sides).round(9), axis=0, return_inverse=True)
+    faces = same_place.ravel()[every]
+    bump = cube * (1 + 0.12 * np.exp(-((cube - [15, 15, 6]) ** 2).sum(1) / 60))[:, None]
+    random = np.random.default_rng(5)
+    for _ in range(12):
+        turn = np.linalg.qr(random.normal(size=(3, 3)))[0]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            made = symmetrize(bump @ turn.T, faces).symmetry
+        assert abs(made.plane[1] @ turn @ [1, -1, 0]) > 0.999 * np.sqrt(2)
+
+
+def test_what_is_symmetric_is_not_called_less_so_afterwards():
+    x, y = (grid.ravel() for grid in np.meshgrid(np.linspace(-1, 1, 21), np.linspace(-1, 1, 31)))
+    faces = [(i, i + 1, i + 21) for i in range(30 * 21 - 1) if i % 21 < 20]
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        symmetrize(np.stack([x, 1.5 * y + 0.2 * x**2, 0 * x], 1), faces)
+    assert not any("farther from its mirror image" in str(each.message) for each in told)
+
+
 def test_a_plane_beside_the_surface_is_told():
     at, faces = directions(40, 60)
     with pytest.warns(DeformationWarning, match="farther from its mirror image than the surface was: the plane is hardly the right one"):

@@ -43,9 +43,9 @@ namespace {
 // Directions that are tried: 13 degrees from each other, so that one is within 7 of any plane; matching finds it from
 // 20 degrees away where a shape is not round.
 constexpr int directions = 200;
-constexpr std::size_t few = 300; // places that tell which to try
-constexpr int steps = 60;        // of matching, at most
-constexpr double rest = 1e-5;    // a step that turns and shifts it by less has arrived
+constexpr std::size_t few = 300, tried = 10; // places that tell which to try, and how many of them are tried at least
+constexpr int steps = 60;                    // of matching, at most
+constexpr double rest = 1e-5;                // a step that turns and shifts it by less has arrived
 // Two planes are the same one when their normals are nearer than this: 15 degrees for those to start from, 5 for those
 // at rest, which are then as far from each other as a shear may turn them.
 constexpr double sameStart = 0.966, sameAtRest = 0.996;
@@ -147,7 +147,7 @@ std::vector<MirrorPlane> FindPlanes(const std::vector<Eigen::Vector3d> &points,
     };
     std::vector<Candidate> best; // those that are best, and no neighbours of better ones
     for (const Candidate &each : all)
-        if (each.misfit <= nearly * std::max(all[0].misfit, asGood) && !isAmong(best, each, sameStart))
+        if ((best.size() < tried || each.misfit <= nearly * all[0].misfit) && !isAmong(best, each, sameStart))
             best.push_back(each);
     for (std::size_t i = 0; i < best.size(); ++i)
         best[i] = AtRest(best[i].plane, someOf, normalOf, surface,
