@@ -33,6 +33,8 @@ struct CompensateReport {
     double change = 0, changeMost = 0; ///< of the vertices: root mean square, most
     double missed = 0;                 ///< how far what is predicted to come out is from the nominal vertices, at most
     double rounding = 0;               ///< less than this is none of the warp
+    double spacing = 0;                ///< of a cloud's points, if they are all over the part; 0: triangles
+    double thickness = 0;              ///< of the part, mean; infinity where normals tell its sides
     Eigen::Affine3d placed = Eigen::Affine3d::Identity(); ///< the rigid motion from the nominal part to the scan
 
     /// A sentence for each thing that is not to be trusted.

@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -15,16 +16,19 @@ namespace vcg::fcd {
 
 namespace {
 
-/// Places of triangles that stand for the same area each, and the normals there. \return the area, in units of the
-/// diagonal
-double SampleEvenly(const SurfaceView &mesh, int wanted, const Eigen::Vector3d &middle, double scale, WarpGoal &goal) {
+/// Places of triangles that stand for the same area each, and the normals there. \param volume out: that they enclose;
+/// like the area that is returned, in units of the diagonal
+double SampleEvenly(const SurfaceView &mesh, int wanted, const Eigen::Vector3d &middle, double scale, WarpGoal &goal,
+                    double &volume) {
     std::vector<double> area(mesh.faces, 0);
     const auto at = [&](std::size_t f, std::size_t k) {
         return Eigen::Vector3d((mesh.At(mesh.corner[3 * f + k]) - middle) / scale);
     };
     double all = 0;
+    volume = 0;
     for (std::size_t f = 0; f < mesh.faces; ++f)
         if (mesh.IsFace(f)) {
+            volume += at(f, 0).cross(at(f, 1)).dot(at(f, 2)) / 6;
             area[f] = (at(f, 1) - at(f, 0)).cross(at(f, 2) - at(f, 0)).norm();
             all += area[f];
         }
@@ -116,16 +120,22 @@ Compensation::Compensation(const SurfaceView &nominal, const SurfaceView &scan, 
     middle = box.center();
     scale = std::max(box.diagonal().norm(), 1e-300);
     WarpGoal goal;
-    const double area = SampleEvenly(nominal, param.samples, middle, scale, goal);
+    double volume;
+    const double area = SampleEvenly(nominal, param.samples, middle, scale, goal, volume);
     const Eigen::Affine3d toFrame = Eigen::Scaling(1 / scale) * Eigen::Translation3d(-middle);
     const FitTarget target(scan, scanNormal, toFrame, progress.Slice(0, 0.1));
-    ScanSurface surface(target, scan.isCloud ? std::sqrt(area / double(scan.vertexSlots)) : 0);
+    const double spacing = scan.isCloud ? std::sqrt(area / double(scan.vertexSlots)) : 0;
+    report.spacing = spacing * scale;
+    report.thickness = scanNormal ? std::numeric_limits<double>::infinity() : 2 * std::abs(volume) / area * scale;
+    ScanSurface surface(target, spacing);
     surface.FindSide(goal, progress.threads);
     goal.match = [&](std::size_t, const Eigen::Vector3d &at) { return surface.Match(at); };
     goal.degree = param.degree;
     goal.typicalBending = typicalBending;
     goal.typicalStrain = typicalStrain;
+    goal.noise = std::max(goal.noise, spacing / 10); // planes through a cloud's points cut edges by as much
     goal.farthest = param.largestDistance / scale;
+    goal.expected = typicalStrain / 2; // a flat side slides along itself, and its rims alone tell that it shrank
     WarpReport lies;
     warp = FitWarp(goal, progress.Slice(0.1, 0.6), &lies);
 
@@ -217,6 +227,11 @@ std::vector<std::string> CompensateReport::Warnings() const {
         line << "Only " << 100 * scanned
              << " percent of the nominal part have a counterpart on the scan: the rest is a guess. Scan more of it, or "
                 "align the two first.";
+        tell();
+    }
+    if (spacing > thickness / 2) {
+        line << "The scan's points are about " << spacing << " apart, and the part is about " << thickness
+             << " thick: which side of it a point is of cannot be told. Give a mesh, or normals.";
         tell();
     }
     if (left > std::max(0.5 * before, rounding)) {

@@ -152,6 +152,20 @@ def test_a_thick_part_of_which_one_side_is_scanned(thick, turned_over):
     assert made.info.scanned == pytest.approx(0.5, abs=0.03) and made.info.left < 1e-3
 
 
+def test_rims_alone_tell_that_flat_sides_shrank():
+    """Most of the part slides along itself, to where it lies exactly."""
+    points, faces, _ = plate()
+    for printed in (lambda p: p * [0.985, 0.99, 1], lambda p: p * [0.985, 0.99, 1] + np.outer(1e-4 * (p[:, 0] - 60) ** 2, [0, 0, 1])):
+        made = compensate(points, faces, printed(points), faces)
+        assert np.abs(np.ptp(placed(printed(made.vertices), points), 0) - [*SIZE, THICK]).max() < 0.05
+
+
+def test_points_farther_apart_than_the_part_is_thick_are_told():
+    points, faces, _, printed = block(1.0)
+    with pytest.warns(CompensationWarning, match="points are about 2.*which side of it a point is of cannot be told"):
+        compensate(points, faces, printed(points))
+
+
 def test_a_cloud_tells_as_much_as_its_triangles():
     """Its points are 2.5 apart: what is between them is off by nothing."""
     points, faces, _, printed = block(8.0)

@@ -221,13 +221,13 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *r
             for (std::size_t s = 0; s < places; ++s)
                 if (share[s] > 0)
                     found.push_back(far[s]);
-            const double width = std::max(2 * MedianOf(found), 1e-5);
+            const double width = std::max(2 * MedianOf(found), goal.noise);
             NormalEquations sums(n);
             double counted = 0;
             for (std::size_t s = 0; s < places; ++s) {
                 if (!(share[s] > 0))
                     continue;
-                const double robust = 1 / (1 + (far[s] / width) * (far[s] / width));
+                const double off = far[s] / std::max(width, goal.expected), robust = 1 / (1 + off * off);
                 const double weight = share[s] * robust * robust;
                 counted += weight;
                 const double beside = degree == 1 ? alongFirst : along;

@@ -62,6 +62,8 @@ struct WarpGoal {
     double typicalBending = 1; ///< of what was warped, radians over the diagonal: what the data leave open bends less
     double typicalStrain = std::numeric_limits<double>::infinity(); ///< the same of lengths, as a part of them
     double farthest = std::numeric_limits<double>::infinity();      ///< a match that is farther does not count
+    double noise = 1e-5;                                            ///< at least, however near the matches are
+    double expected = 0; ///< nearer than this, a match is no outlier, however near the others are
 };
 
 /// How a warp lies on what it was fitted to.
