@@ -1418,6 +1418,7 @@ ERRORS = {
     "no patches": (dict(initial_patches=-1), QUALITY_TAGS, "patches"),
     "negative radius": (dict(target_radius=absolute(-1.0)), QUALITY_TAGS, "radius"),
     "a rigidity of 2": (dict(rigidity=2.0), QUALITY_TAGS, "rigidity must be from 0 to 1"),
+    "a rigidity of nearly 1": (dict(rigidity=0.9999), QUALITY_TAGS, "between 0.999 and 1 hardly comes to rest"),
     "elastic and not rigid": (dict(rigidity=0.0, elastic=True), QUALITY_TAGS, "take one of them"),
     "the paper to the letter and not rigid": (dict(rigidity=0.0, graph_weights=3), QUALITY_TAGS, "take other graph weights"),
     "negative smoothness": (dict(smoothness=-1.0), QUALITY_TAGS, "smoothness"),

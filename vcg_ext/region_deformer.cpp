@@ -23,6 +23,9 @@ void DeformationParam::Validate() const {
         throw BadInput("The influence must be a finite number above 1: each node has to reach beyond its own patch.");
     if (!(rigidity >= 0 && rigidity <= 1))
         throw BadInput("The rigidity must be from 0 to 1.");
+    if (rigidity > 0.999 && rigidity < 1) // each step is then a thousandth of the way to rest
+        throw BadInput("A rigidity between 0.999 and 1 hardly comes to rest. Take 1, which is solved otherwise, or "
+                       "0.999.");
     if (rigidity < 1 && elastic)
         throw BadInput("A rigidity below 1 lets the surface stretch, and elastic keeps its volume; take one of them.");
     if (rigidity < 1 && graphWeights == GraphWeights::Printed)

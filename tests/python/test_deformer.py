@@ -163,6 +163,18 @@ def test_what_is_elastic_keeps_its_volume():
         kept.pose({2: Motion.translate([60, 0, 0])}).info
 
 
+def test_a_loose_part_stretches_as_what_it_follows():
+    vertices, faces, _, _ = bar()
+    part = (vertices - vertices.mean(0)) * 0.04 + vertices.max(0) + [-3, 0, 0.1]
+    both, all_faces = np.concatenate([vertices, part]), np.concatenate([faces, faces + len(vertices)])
+    tags = np.ones(len(both), int)
+    points = np.arange(0, len(vertices), 101)
+    tags[points] = np.arange(len(points)) + 2
+    pose = Deformer(both, all_faces, tags, rigidity=0).pose({int(tags[i]): Motion.translate(both[i]) for i in points})
+    assert np.abs(np.ptp(pose.vertices, 0) / np.ptp(both, 0) - 2).max() < 1e-3
+    assert np.abs(np.ptp(pose.vertices[len(vertices):], 0) / np.ptp(part, 0) - 2).max() < 1e-3
+
+
 def test_landmarks_of_what_was_sheared_lead_it_without_rigidity():
     vertices, faces, _, _ = bar()
     points = np.arange(0, len(vertices), 101)

@@ -146,6 +146,7 @@ CASES = {
     "falloff: typo": (dict(falloff="steep"), ValueError, "falloff must be one of 'smooth', 'linear', 'sharp', 'constant'; it is 'steep'"),
     "rigidity: a word": (dict(rigidity="soft"), TypeError, "rigidity must be a number"),
     "rigidity: 2": (dict(rigidity=2), ValueError, "The rigidity must be from 0 to 1"),
+    "rigidity: nearly 1": (dict(rigidity=0.9999), ValueError, "between 0.999 and 1 hardly comes to rest"),
     "rigidity: and elastic": (dict(rigidity=0, elastic=True), ValueError, "take one of them"),
     "rigidity: as printed": (dict(rigidity=0, graph_weights="printed"), ValueError, "take other graph weights"),
     "elastic: a word": (dict(elastic="yes"), TypeError, "elastic must be True or False"),

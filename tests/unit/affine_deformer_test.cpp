@@ -292,6 +292,9 @@ TEST(Rigidity, IsRefusedOutOfRangeAndWhereItContradicts) {
     };
     for (double bad : {-0.1, 1.1, std::numeric_limits<double>::quiet_NaN()})
         EXPECT_EQ(message([&](DeformationParam &p) { p.rigidity = bad; }), "The rigidity must be from 0 to 1.");
+    EXPECT_NE(message([](DeformationParam &p) { p.rigidity = 0.9999; }).find("hardly comes to rest"),
+              std::string::npos);
+    EXPECT_EQ(message([](DeformationParam &p) { p.rigidity = 0.999; }), "");
     EXPECT_EQ(message([](DeformationParam &p) {
                   p.rigidity = 0.5;
                   p.elastic = true;

@@ -115,7 +115,8 @@ std::vector<Eigen::Matrix4d> Carrier::LooseMotions() const {
         const Eigen::Vector3d p = frame.ToFrame(moving.leaderRest[part]);
         const Eigen::Affine3d moved = frame.ToFrame(given);
         Eigen::Affine3d there;
-        there.linear() = detail::RotationOf(moved.linear());
+        const bool isAffine = place.region && pose.region[place.number].graph.affine;
+        there.linear() = isAffine ? Eigen::Matrix3d(moved.linear()) : detail::RotationOf(moved.linear());
         there.translation() = moved * p - there.linear() * p;
         result[part] = frame.FromFrame(there);
         result[part].row(3) << 0, 0, 0, 1;
