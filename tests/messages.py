@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[1]
 # What no test can bring about, by the beginning of the text, and why.
 UNSEEN = {
     "The mesh has more than two thousand million edges": "takes more memory than the machines that run the tests have",
-    "The deformation graph's system cannot be factorised": "the system is positive definite; a guard for rounding",
+    "The deformation graph's system cannot be factorised.": "the system is positive definite; a guard for rounding",
     "Half of the way to the mirror image cannot be found": "the system is positive definite; a guard for rounding",
     "' has no vertices, so there is nothing to bend": "MeshLab opens no layer without vertices",
     "Unknown filter": "a host only asks for the filters that it was told about",

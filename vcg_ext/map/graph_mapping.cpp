@@ -223,7 +223,7 @@ GraphMapping::Posed::Posed(const GraphMapping &mapping, const GraphPose &pose,
         for (Index t : mapping.constraintBlend->heldTag) {
             const Eigen::Matrix3d &its = inFrame.at(t).linear();
             const Eigen::Matrix3d back = (detail::RotationOf(its).transpose() * its).inverse();
-            unstretched.push_back((back.allFinite() ? back : Eigen::Matrix3d::Identity()).cast<float>());
+            unstretched.emplace_back((back.allFinite() ? back : Eigen::Matrix3d::Identity()).cast<float>());
         }
     ParallelFor(threads, std::size_t(mapping.graph.Size()), 64, [&](std::size_t first, std::size_t last) {
         for (Index j = Index(first); j < Index(last); ++j) {

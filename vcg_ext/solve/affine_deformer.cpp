@@ -228,14 +228,14 @@ GraphPose AffineDeformer::Solve(const std::vector<Eigen::Affine3d> &motion, cons
     const PoseTerms given(energy, motion, base, smooth);
     if (size > 0) {
         const Eigen::MatrixX3d right = RightSide(base, given);
-        if (rigidity > 0) {
+        if (laplacian) {
             const State guess = detail::InitialGuess(graph, unknown, *laplacian, motion, last, lastMotion);
             state.quaternion = guess.quaternion;
             Minimise(base, given, right, common.linear(), param, state, pose, progress);
-            const double nearby = 2; // radian, as where GraphDeformer follows
+            const double nearby = 1; // half of two radian, as where GraphDeformer follows
             for (Index i : unknown.rotation)
                 if (last && std::abs(state.quaternion[std::size_t(i)].dot(guess.quaternion[std::size_t(i)])) <
-                                detail::Cosine(nearby / 2))
+                                detail::Cosine(nearby))
                     pose.followed = false;
         } else {
             Solved(base, right, state);

@@ -119,12 +119,12 @@ Eigen::Vector3d BendSession::positionOf(std::size_t slot) const {
 void BendSession::readSurface() {
     if (besides && surface)
         return;
-    const std::uint64_t faces = facesOf(layer.cm);
-    if (surface && faces == facesOfSurface)
+    const std::uint64_t now = facesOf(layer.cm);
+    if (surface && now == facesOfSurface)
         return;
     surface = std::make_shared<const vcg::fcd::SurfaceArrays>(
         vcg::tri::ReadSurface(layer.cm, {}, [&](std::size_t slot) { return rest.positions()[slot]; }));
-    facesOfSurface = faces;
+    facesOfSurface = now;
 }
 
 void BendSession::beginBeside() {

@@ -55,7 +55,7 @@ std::set<int> hiddenIn(const BendState &state) {
 } // namespace
 
 /// One colour per vertex slot, empty where nothing is marked or turned.
-std::vector<vcg::Color4b> MarkColors::ofMarks(const BendSession &session) const {
+std::vector<vcg::Color4b> MarkColors::ofMarks(const BendSession &session) {
     const BendState &state = session.state();
     const BendTags *making = session.marksBeingMade(), *marks = making ? making : state.marks.get();
     const BendTags &held = making ? *making : session.tags();
@@ -102,7 +102,7 @@ std::optional<MarkColors::Tint> MarkColors::tint(BendSession &session) {
     if (!faces)
         return {};
     findColored(session);
-    if (colored.size() > mostColored * faces->vertexSlots())
+    if (double(colored.size()) > mostColored * double(faces->vertexSlots()))
         return {};
     if (!room)
         room = std::make_unique<DrawnVertices>(faces->vertexSlots());

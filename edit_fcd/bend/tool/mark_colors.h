@@ -45,7 +45,7 @@ class MarkColors {
         }
     };
 
-    std::vector<vcg::Color4b> ofMarks(const BendSession &session) const;
+    static std::vector<vcg::Color4b> ofMarks(const BendSession &session);
     void findColored(const BendSession &session);
     template <class Set>
     void forPreview(const BendSession &session, const Set &set) const;
