@@ -75,9 +75,13 @@ std::optional<RestState> inheritedRest(const MeshModel &layer, const std::vector
     return {};
 }
 
-void handDownRest(const MeshDocument &document, const LayerState &state) {
+bool handDownRest(const MeshDocument &document, const LayerState &state) {
+    bool isGiven = false;
     for (const MeshModel *layer : host::layers(document))
         if (state.rest && !LayerState::known(*layer).rest)
-            if (std::optional<RestState> rest = inheritedRest(*layer, {&state}))
+            if (std::optional<RestState> rest = inheritedRest(*layer, {&state})) {
                 LayerState::made(document, const_cast<MeshModel &>(*layer)).rest = std::move(rest);
+                isGiven = true;
+            }
+    return isGiven;
 }

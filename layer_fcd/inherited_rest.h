@@ -17,8 +17,8 @@
 std::optional<RestState> inheritedRest(const MeshModel &layer, const std::vector<const LayerState *> &others);
 
 /// Before the layer of \p state goes, or its vertices move: those of \p document that inherit its rest shapes have
-/// them.
-void handDownRest(const MeshDocument &document, const LayerState &state);
+/// them. \return whether there are any that had none
+bool handDownRest(const MeshDocument &document, const LayerState &state);
 inline void handDownRest(const MeshDocument &document, const MeshModel &layer) {
     if (const LayerState *state = LayerState::of(layer))
         handDownRest(document, *state);

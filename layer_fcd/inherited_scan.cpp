@@ -134,9 +134,13 @@ std::optional<KeptScan> inheritedScan(const MeshModel &layer, const std::vector<
     return scan;
 }
 
-void handDown(const MeshDocument &document, const LayerState &state) {
+bool handDown(const MeshDocument &document, const LayerState &state) {
+    bool isGiven = false;
     for (const MeshModel *layer : host::layers(document))
         if (state.scan && !LayerState::known(*layer).scan)
-            if (std::optional<KeptScan> scan = inheritedScan(*layer, {&state}))
+            if (std::optional<KeptScan> scan = inheritedScan(*layer, {&state})) {
                 LayerState::made(document, const_cast<MeshModel &>(*layer)).scan = std::move(scan);
+                isGiven = true;
+            }
+    return isGiven;
 }

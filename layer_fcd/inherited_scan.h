@@ -16,6 +16,7 @@
 std::optional<KeptScan> inheritedScan(const MeshModel &layer, const std::vector<const LayerState *> &sources);
 
 /// Before the layer of \p state goes, or its tags: layers of \p document that inherit of it have what is kept.
-void handDown(const MeshDocument &document, const LayerState &state);
+/// \return whether there are any that had none
+bool handDown(const MeshDocument &document, const LayerState &state);
 
 #endif

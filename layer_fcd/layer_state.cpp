@@ -95,13 +95,16 @@ std::string listOf(const LayerState &state, bool hasTool) {
 /// what none of them has.
 void leaveTo(MeshDocument &document, LayerState &gone) {
     try {
-        handDown(document, gone);
-        handDownRest(document, gone);
+        if (handDown(document, gone))
+            gone.scan.reset();
+        if (handDownRest(document, gone))
+            gone.rest.reset();
         handDownGraph(document, gone);
-        for (const MeshModel *layer : host::layers(document)) {
-            if (gone.scan && inheritedScan(*layer, {&gone}))
+        for (const MeshModel *layer : host::layers(document)) { // what copies had before: others were just asked
+            const LayerState &its = LayerState::known(*layer);
+            if (gone.scan && its.scan && inheritedScan(*layer, {&gone}))
                 gone.scan.reset();
-            if (gone.rest && inheritedRest(*layer, {&gone}))
+            if (gone.rest && its.rest && inheritedRest(*layer, {&gone}))
                 gone.rest.reset();
         }
     } catch (const std::bad_alloc &) { // its colours and rest shapes are lost, the program is not

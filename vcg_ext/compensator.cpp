@@ -73,11 +73,7 @@ class ScanSurface {
                     cosine[s] = match.normal.dot(goal.normal[s]);
             }
         });
-        const double near = Quantile(far, 0.5);
-        double sum = 0;
-        for (std::size_t s = 0; s < far.size(); ++s)
-            sum += far[s] <= near ? cosine[s] : 0;
-        side = sum < 0 ? -1 : 1;
+        side = SideOfNearest(far, cosine);
     }
 
     /// Of a cloud, it lies on the plane at its nearest point, where that is no farther along it than points are apart.

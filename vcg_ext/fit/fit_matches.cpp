@@ -43,6 +43,15 @@ double Quantile(std::vector<double> values, double part) {
     return *at;
 }
 
+double SideOfNearest(const std::vector<double> &distance, const std::vector<double> &cosine) {
+    const double near = Quantile(distance, 0.5);
+    double sum = 0;
+    for (std::size_t s = 0; s < distance.size(); ++s)
+        if (distance[s] <= near)
+            sum += cosine[s];
+    return sum < 0 ? -1 : 1;
+}
+
 FitMatches::FitMatches(const FitTarget &target, const FitSamples &samples, const MatchParam &param)
     : target(target), samples(samples), param(param), at(Size()), turned(Size()), normal(Size()), distance(Size()),
       back(Size()), angular(Size()), weight(samples.weight), match(Size()), hint(Size()), counts(Size()),
@@ -97,14 +106,12 @@ void FitMatches::Search(const GraphPose &pose, unsigned threads) {
     });
 }
 
-/// That to which most of the half of the samples looks that lies nearest to the target.
 double FitMatches::Side() const {
-    const double near = Quantile(distance, 0.5);
-    double sum = 0;
+    std::vector<double> cosine(Size(), 0);
     for (std::size_t s = 0; s < Size(); ++s)
-        if (distance[s] <= near && match[s].isOriented)
-            sum += match[s].normal.dot(turned[s]);
-    return sum < 0 ? -1 : 1;
+        if (match[s].isOriented)
+            cosine[s] = match[s].normal.dot(turned[s]);
+    return SideOfNearest(distance, cosine);
 }
 
 /// How much the normals of a sample and of a place of the target agree, [0, 1]. \param n out: their mean

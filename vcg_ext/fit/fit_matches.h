@@ -95,6 +95,10 @@ class FitMatches {
 /// A part of a list, as if it were sorted; 0 of none.
 double Quantile(std::vector<double> values, double part);
 
+/// That to which most of the nearer half of some places looks: 1, or -1 for the other one.
+/// \param cosine between the normals of each and of its match; 0 where a side is not known
+double SideOfNearest(const std::vector<double> &distance, const std::vector<double> &cosine);
+
 } // namespace vcg::fcd
 
 #endif

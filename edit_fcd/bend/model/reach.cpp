@@ -80,7 +80,7 @@ std::vector<std::size_t> BendReach::slotsOf(const std::vector<char> &isNodeIn) c
 /// One of the vertices of a node.
 std::size_t BendReach::slotOf(vcg::fcd::Index node) const { return slotBy[beginOf[std::size_t(node)]]; }
 
-/// Which nodes are some, or have one of some vertices.
+/// Which nodes are some.
 std::vector<char> BendReach::isAmong(const std::vector<vcg::fcd::Index> &nodes) const {
     std::vector<char> isNodeIn(std::size_t(surface->graph.Size()), 0);
     for (const vcg::fcd::Index u : nodes)
@@ -88,6 +88,7 @@ std::vector<char> BendReach::isAmong(const std::vector<vcg::fcd::Index> &nodes) 
     return isNodeIn;
 }
 
+/// Which nodes have one of the vertices.
 std::vector<char> BendReach::nodesOf(const std::vector<char> &isIn) const {
     std::vector<char> isNodeIn(std::size_t(surface->graph.Size()), 0);
     for (std::size_t i = 0; i < isIn.size(); ++i)
