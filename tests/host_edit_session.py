@@ -9,7 +9,7 @@ import pytest
 import host_edit
 from host_edit import MIDDLE, Filters, Window, load, the_dialogs_are_those_of_2020, tube, tube_of, write_ply
 from host_edit import window # noqa: F401, a fixture
-from host_edit_fit import answer, on_target, open_two, pairs_of, place_pairs, pull, save_pairs, write_curves
+from host_edit_fit import answer, on_target, on_template, open_two, pairs_of, place_pairs, pull, save_pairs, write_curves
 from host_edit_hands import keep_pose, tube_with_poses
 from host_edit_state import PULL, import_another
 
@@ -213,6 +213,43 @@ def test_options_of_a_fit_go_on_in_another_run(window, another, tmp_path):
     w.wait("The curves of the layer 'template.ply' are left out: Cannot open '")
     w.wait("The layer 'template.ply' was fitted to 'scan.ply', which is not here: open it and choose this layer again, or choose another target.")
     w.shot("target_is_not_here")
+
+
+def test_the_fit_saves_and_loads_sessions(window, another, tmp_path):
+    """By its own button. Undo leads back to what was there before."""
+    w, points, _ = open_two(window, tmp_path)
+    w.start_tool("FCD: Fit")
+    choose(w, "s", "Save session", tmp_path / "none.fcd")
+    w.wait("Nothing is known of the layer 'template.ply' that a session would keep.")
+    place_pairs(w)
+    pull(w)
+    choose(w, "s", "Save session", tmp_path / "pulled") # .fcd is added
+    w.wait("keeps the fit: undo in the tool, or 'FCD: Reset Pose', takes it back.")
+    w.wait(f"Saved the session as {tmp_path / 'pulled.fcd'}. Save the layer, too.")
+    pulled = load(w.save("pulled.ply"))[0]
+    w.key("ctrl+z")
+    assert not np.array_equal(load(w.save("goes_on.ply"))[0], pulled)
+
+    w = another(tmp_path / "scan.ply", tmp_path / "template.ply")
+    w.start_tool("FCD: Fit")
+    w.click(on_template(-0.2))
+    w.click(on_target(-0.2))
+    followed = load(w.save("followed.ply"))[0]
+    (tmp_path / "cut.fcd").write_bytes((tmp_path / "pulled.fcd").read_bytes()[:-9])
+    choose(w, "l", "Load session", tmp_path / "cut.fcd")
+    w.wait("is no session")
+    assert not np.array_equal(followed, points) and np.array_equal(load(w.save("still.ply"))[0], followed)
+    choose(w, "l", "Load session", tmp_path / "pulled.fcd")
+    w.wait(f"Loaded the session {tmp_path / 'pulled.fcd'}.")
+    w.wait("trace: pulled") # for the distances
+    w.settle()
+    w.shot("loaded")
+    assert np.array_equal(load(w.save("as_then.ply"))[0], pulled)
+    assert len(pairs_of(save_pairs(w, "three.csv"))[0]) == 3
+    w.key("ctrl+z")
+    assert np.array_equal(load(w.save("undone.ply"))[0], points)
+    w.key("ctrl+z")
+    assert len(pairs_of(save_pairs(w, "one.csv"))[0]) == 1
 
 
 def reset_pose(w):

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <layer_fcd/session_file.h> // before Qt
+
 #include "edit_fcd/kit/layer_tool.h"
+
+#include <QFileDialog>
 
 void LayerTool::later(const std::function<void()> &work) {
     QTimer::singleShot(0, this, [this, work] { guarded(work); });
@@ -97,6 +101,23 @@ void LayerTool::enterLayer(MeshModel &newModel) {
     layerId = newModel.id();
     display = std::make_unique<DisplayState>(*view, newModel);
     overlay = std::make_unique<LayerOverlay>();
+}
+
+void LayerTool::chooseSession(bool load) {
+    const QString kinds = "Sessions (*.fcd)";
+    const QString file = load ? QFileDialog::getOpenFileName(view->window(), "Load session", QString(), kinds)
+                              : fileToSave(*view, "Save session", kinds, {".fcd"});
+    if (file.isEmpty() || !isReady())
+        return;
+    if (load) {
+        takeSession(file);
+        say("Loaded the session " + file.toStdString() + ".");
+        return;
+    }
+    keepShown(); // as one that goes finds it
+    showVertices(true);
+    saveSession(*model, file);
+    say("Saved the session as " + file.toStdString() + ". Save the layer, too.");
 }
 
 void LayerTool::applyToNewLayer(const std::function<void()> &apply, bool goesOn) {

@@ -50,6 +50,11 @@ class LayerTool : public HostEditTool {
     virtual void showVertices(bool full) = 0;
     virtual void refresh() = 0; ///< the panel shows what there is
     virtual void showHint() = 0;
+    /// Whether there is a layer to work on; begins anew with one that something else has changed.
+    virtual bool isReady() = 0;
+    virtual void keepShown() = 0; ///< what the layer shows is what a filter, and a file, finds
+    /// What is known of the layer is that of a file. \throw vcg::fcd::Error; all is then as it was
+    virtual void takeSession(const QString &file) = 0;
     virtual void forgetDocument() = 0; ///< which is gone, with all that was left of its layers
     /// A step of what moves with the mouse: one a painted frame, since the mouse moves more often.
     virtual void step() = 0;
@@ -65,6 +70,9 @@ class LayerTool : public HostEditTool {
     void enterLayer(MeshModel &newModel);
     /// Calls \p apply, which adds layers, and ends. \param goesOn with the new layer
     void applyToNewLayer(const std::function<void()> &apply, bool goesOn);
+
+    /// Asks for a file, and saves what is known of the layer, or loads it.
+    void chooseSession(bool load);
 
     /// The tool has a view of a document, and lets go of what it had of another one.
     void enterDocument(MeshDocument &newDocument, GLArea *area);

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <string>
 
+#include <QMenu>
 #include <QStyle>
 #include <QVBoxLayout>
 
@@ -48,6 +49,18 @@ void connectSlider(QSlider &slider, const std::function<void()> &begins, const s
             begins();
         changes(value);
     });
+}
+
+QPushButton *sessionButton(const QString &what, const std::function<void(bool load)> &chosen) {
+    auto *button = new QPushButton("Session");
+    button->setObjectName("session");
+    button->setToolTip("A file (.fcd) with what no mesh file keeps of the layer: " + what);
+    button->setFocusPolicy(Qt::NoFocus);
+    auto *files = new QMenu(button);
+    QObject::connect(files->addAction("&Save session ..."), &QAction::triggered, [chosen] { chosen(false); });
+    QObject::connect(files->addAction("&Load session ..."), &QAction::triggered, [chosen] { chosen(true); });
+    button->setMenu(files);
+    return button;
 }
 
 QScrollArea *setScrolled(QDockWidget &panel, QWidget &head, QWidget &content) {

@@ -9,6 +9,7 @@
 #include <QDoubleSpinBox>
 #include <QLabel>
 #include <QLocale>
+#include <QPushButton>
 #include <QRegularExpression>
 #include <QScrollArea>
 #include <QSlider>
@@ -54,6 +55,9 @@ class PanelState : public QScrollArea {
 
 /// Calls \p begins before a slider changes what it is for, once for each way of it, and \p changes with each value.
 void connectSlider(QSlider &slider, const std::function<void()> &begins, const std::function<void(int)> &changes);
+
+/// A button with a menu: what is known of a layer is saved to a file, or loaded. \param what that is, for the tip
+QPushButton *sessionButton(const QString &what, const std::function<void(bool load)> &chosen);
 
 /// Puts what a panel shows into an area that scrolls up and down alone. \param head stays above it
 QScrollArea *setScrolled(QDockWidget &panel, QWidget &head, QWidget &content);

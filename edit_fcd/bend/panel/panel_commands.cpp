@@ -9,7 +9,6 @@
 #include <QFormLayout>
 #include <QGridLayout>
 #include <QHBoxLayout>
-#include <QMenu>
 #include <QPushButton>
 #include <QScrollArea>
 #include <QSettings>
@@ -45,16 +44,9 @@ void BendPanel::addCommands(QBoxLayout &column) {
     add("Apply to new layer",
         bendActions().withKeys("A new layer gets the shape, and this one is as it was", BendAction::ApplyToNewLayer),
         ApplyToNewLayer, 2, 6, 6);
-    auto *session = new QPushButton("Session");
-    session->setObjectName("session");
-    session->setToolTip("A file (.fcd) with what no mesh file keeps of the layer: marks, handles, motions, poses, key "
-                        "frames, the line, the rest shape");
-    session->setFocusPolicy(Qt::NoFocus);
-    auto *files = new QMenu(session);
-    connect(files->addAction("&Save session ..."), &QAction::triggered, this, [this] { emit command(SaveSession); });
-    connect(files->addAction("&Load session ..."), &QAction::triggered, this, [this] { emit command(LoadSession); });
-    session->setMenu(files);
-    grid->addWidget(session, 1, 9, 1, 3);
+    grid->addWidget(sessionButton("marks, handles, motions, poses, key frames, the line, the rest shape",
+                                  [this](bool load) { emit command(load ? LoadSession : SaveSession); }),
+                    1, 9, 1, 3);
     column.addLayout(grid);
 }
 

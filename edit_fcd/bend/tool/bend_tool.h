@@ -35,7 +35,8 @@ class BendTool : public BendStage {
     void refresh() override;
     bool open(MeshModel &model);
     void leave();
-    void keepShown();
+    void keepShown() override;
+    void takeSession(const QString &file) override;
 
     // the mouse
     void toCamera(QMouseEvent *event);
@@ -69,8 +70,6 @@ class BendTool : public BendStage {
     void onOptions();
     void onCommand(int which);
     void apply(bool inPlace);
-    void saveLayerSession();
-    void loadLayerSession();
     void editHandle(const BendHandleRow &to);
     void onPoseCommand(int which);
     void exportAnimation();

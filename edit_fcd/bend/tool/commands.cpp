@@ -167,8 +167,8 @@ void BendTool::onCommand(int which) {
         break;
     case BendPanel::ApplyInPlace:
     case BendPanel::ApplyToNewLayer: apply(which == BendPanel::ApplyInPlace); break;
-    case BendPanel::SaveSession: saveLayerSession(); break;
-    case BendPanel::LoadSession: loadLayerSession(); break;
+    case BendPanel::SaveSession:
+    case BendPanel::LoadSession: chooseSession(which == BendPanel::LoadSession); break;
     }
     if (!view) // an apply to a new layer ended all
         return;

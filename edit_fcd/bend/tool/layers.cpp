@@ -2,6 +2,7 @@
 #include "edit_fcd/bend/tool/bend_tool.h"
 
 #include <layer_fcd/kept_tool.h>
+#include <layer_fcd/session_file.h>
 
 // Which layer the tool works on, from when to when, and what it leaves of it.
 
@@ -81,6 +82,23 @@ void BendTool::keepShown() {
     if (const std::string calls = session->leave({}); !calls.empty())
         say("The layer '" + model->label().toStdString() +
             "' keeps the pose: undo in the tool, or 'FCD: Reset Pose', takes it back. " + calls);
+}
+
+void BendTool::takeSession(const QString &file) {
+    session->restore(); // a session is of that shape, or of its own pose
+    try {
+        loadSession(*document, *model, file);
+    } catch (...) {
+        solve(true);
+        throw;
+    }
+    const std::unique_ptr<BendSession> before = std::move(session);
+    open(*model);
+    session->follow(std::move(*before));
+    showOptions();
+    showVertices(true);
+    showChanged();
+    showOverlay();
 }
 
 /// What the layer shows is what it is, whatever comes next.

@@ -32,8 +32,7 @@ class BendStage : public LayerTool {
     explicit BendStage(QAction *action);
 
     MeshModel *layer() const; ///< null when it is gone, or has become another mesh
-    /// Whether there is a layer to work on; begins anew with one that something else has changed.
-    virtual bool isReady() = 0;
+    bool isReady() override = 0;
     /// Whether a press is for the layer, and not for the camera.
     bool isPlain(const QMouseEvent &event) const {
         return event.button() == Qt::LeftButton && event.modifiers() == Qt::NoModifier && !isCamera;

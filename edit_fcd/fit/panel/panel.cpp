@@ -226,6 +226,9 @@ void FitPanel::addCommands(QBoxLayout &column) {
     grid->addWidget(button("newlayer", "Apply to new layer",
                            "A new layer gets the shape, and this one is as it was (Ctrl+Shift+Enter)", ApplyToNewLayer),
                     1, 1);
+    grid->addWidget(sessionButton("pairs, options, target, curves, what is painted, the fit and the rest shape",
+                                  [this](bool load) { emit command(load ? LoadSession : SaveSession); }),
+                    2, 0);
     graphs = new QCheckBox("with graph layers");
     graphs->setToolTip("'Apply to new layer' also adds the deformation graph at rest and deformed");
     grid->addWidget(graphs, 2, 1);

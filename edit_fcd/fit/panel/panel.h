@@ -28,7 +28,20 @@ class FitPanel : public QDockWidget {
     enum Seen { InTurn, Both, Source, Target };
     /// What a press on a layer does: it places an end of a pair, or paints what counts, or what is carried along.
     enum Brush { Pairs, Counts, Carried };
-    enum Command { Load, Save, Clear, LoadCurves, ClearCurves, Undo, Redo, Cancel, ApplyInPlace, ApplyToNewLayer };
+    enum Command {
+        Load,
+        Save,
+        Clear,
+        LoadCurves,
+        ClearCurves,
+        Undo,
+        Redo,
+        Cancel,
+        ApplyInPlace,
+        ApplyToNewLayer,
+        SaveSession,
+        LoadSession
+    };
 
     explicit FitPanel(QWidget *parent);
 

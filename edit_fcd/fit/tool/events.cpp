@@ -267,6 +267,8 @@ void FitTool::onCommand(int which) {
             showLayers();
         }
         break;
+    case FitPanel::SaveSession:
+    case FitPanel::LoadSession: chooseSession(which == FitPanel::LoadSession); break;
     case FitPanel::ApplyInPlace:
     case FitPanel::ApplyToNewLayer: apply(which == FitPanel::ApplyInPlace); break;
     }

@@ -52,7 +52,9 @@ class FitTool : public LayerTool {
     void takeTarget(const MeshModel &fitted);
     void leave();
     void close() override;
-    bool isReady();
+    bool isReady() override;
+    void keepShown() override;
+    void takeSession(const QString &file) override;
     void makePanel();
     void showTargets();
     void onTarget();

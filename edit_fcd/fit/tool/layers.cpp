@@ -2,6 +2,7 @@
 #include "edit_fcd/fit/tool/fit_tool.h"
 
 #include <layer_fcd/layer_labels.h>
+#include <layer_fcd/session_file.h>
 
 // Which layer the tool works on, from when to when, and what its panel does.
 
@@ -104,17 +105,42 @@ void FitTool::changeLayer(MeshDocument &document, GLArea *area) {
         start(document, area);
 }
 
+void FitTool::keepShown() {
+    stopWork();
+    if (session->leave())
+        say("The layer '" + model->label().toStdString() +
+            "' keeps the fit: undo in the tool, or 'FCD: Reset Pose', takes it back.");
+    session->keep(target());
+}
+
+/// Undo leads back to what was known before.
+void FitTool::takeSession(const QString &file) {
+    stopWork();
+    session->restore(); // a session is of that shape, or of its own
+    try {
+        loadSession(*document, *model, file);
+    } catch (...) {
+        reshape(true);
+        throw;
+    }
+    left[layerId] = std::move(session);
+    open(*model);
+    if (!session->isAsLeft())
+        reshape(true);
+    panel->showOptions(session->state().options);
+    showTargets();
+    showVertices(true);
+    model->setMeshModified();
+    showColors();
+    showLayers();
+}
+
 /// What the layer shows is what it is, whatever comes next; what something else has made of it stays, too.
 void FitTool::leave() {
     if (!layer())
         return;
     if (session->isUpToDate())
-        guarded([&] {
-            if (session->leave())
-                say("The layer '" + model->label().toStdString() +
-                    "' keeps the fit: undo in the tool, or 'FCD: Reset Pose', takes it back.");
-            session->keep(target());
-        });
+        guarded([&] { keepShown(); });
     display->rest();
     display->updateShape(true);
     left[layerId] = std::move(session);
