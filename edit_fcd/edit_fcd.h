@@ -2,8 +2,6 @@
 #ifndef EDIT_FCD_H
 #define EDIT_FCD_H
 
-#include <vcg_ext/centroidal_deformation.h> // before Qt
-
 #include <layer_fcd/edit_host.h>
 
 /// Fast Centroidal Deformation by hand: the plugin with the tools "FCD: Bend" and "FCD: Fit".

@@ -2,8 +2,7 @@
 #ifndef FCD_FILTER_REPORTS_H
 #define FCD_FILTER_REPORTS_H
 
-#include <vcg_ext/centroidal_deformation.h> // before Qt
-#include <vcg_ext/field/field_sampling.h>
+#include <vcg_ext/field/field_sampling.h> // before Qt
 
 #include <layer_fcd/filter_host.h>
 #include <layer_fcd/kept_aside.h>

@@ -5,8 +5,6 @@
 /// \file
 /// What a plugin with an editing tool is to the host, for any host; see meshlab_host.h.
 
-#include <vcg_ext/centroidal_deformation.h> // before Qt, whose macros are common words
-
 #include "meshlab_host.h"
 
 #ifndef FCD_MESHLAB_2020

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/base/graph.h> // before Qt
-
 #include "inherited_rest.h"
 #include "layer_contents.h"
 #include "mesh_copy.h"

@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/centroidal_deformation.h> // these before Qt
-#include <vcg_ext/surface/read_surface.h>
-
 #include "layer_contents.h"
 #include "layer_normals.h"
 #include "marks.h"

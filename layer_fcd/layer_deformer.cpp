@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/centroidal_deformation.h> // before Qt
-
 #include "angle_normals.h"
 #include "graph_layer.h"
 #include "inherited_rest.h"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/centroidal_deformation.h> // these before Qt
-#include <vcg_ext/fit/curve_file.h>
+#include <vcg_ext/fit/curve_file.h> // these before Qt
 #include <vcg_ext/fit/fit_target.h>
 
 #include "layer_contents.h"

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/base/error.h> // before Qt
-
 #include "layer_labels.h"
 
 #include <algorithm>

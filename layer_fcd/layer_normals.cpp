@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/base/graph.h> // these before Qt
-#include <vcg_ext/surface/read_surface.h>
-
 #include "angle_normals.h"
 #include "layer_normals.h"
 

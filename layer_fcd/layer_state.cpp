@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/centroidal_deformation.h> // before Qt
-
 #include "inherited_rest.h"
 #include "inherited_scan.h"
 #include "kept_deformation.h"

@@ -9,6 +9,8 @@
 /// FCD_MESHLAB_2020 is defined (by CMake) for MeshLab 2020.09, whose filters are MeshFilterInterface; later hosts have
 /// FilterPlugin. (A define, since moc does not evaluate __has_include.)
 
+#include <vcg_ext/centroidal_deformation.h> // before Qt, whose macros (slots, emit, ...) are common words
+
 #ifdef FCD_MESHLAB_2020
 #include <common/interfaces.h>
 #else

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/centroidal_deformation.h> // before Qt
-
 #include "kept_aside.h"
 #include "kept_deformation.h"
 #include "layer_labels.h"

@@ -3,7 +3,6 @@
 #define FCD_LAYER_PARAMETERS_H
 
 // Before Qt, whose macros (slots, emit, ...) are common words.
-#include <vcg_ext/centroidal_deformation.h>
 #include <vcg_ext/compensate.h>
 #include <vcg_ext/fit.h>
 #include <vcg_ext/sequence/sequence_frames.h>

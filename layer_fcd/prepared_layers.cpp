@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/surface/read_surface.h> // before Qt
-
 #include "layer_contents.h"
 #include "prepared_layers.h"
 

@@ -2,9 +2,6 @@
 #ifndef FCD_PREPARED_LAYERS_H
 #define FCD_PREPARED_LAYERS_H
 
-// Before Qt, whose macros (slots, emit, ...) are common words.
-#include <vcg_ext/centroidal_deformation.h>
-
 #include "meshlab_host.h"
 
 #include <array>

@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/base/graph.h> // these before Qt
-#include <vcg_ext/surface/read_surface.h>
-
 #include "affine_map.h"
 #include "inherited_rest.h"
 #include "layer_contents.h"

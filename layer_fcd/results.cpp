@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/base/graph.h> // before Qt
-
 #include "layer_contents.h"
 #include "layer_normals.h"
 #include "layer_state.h"

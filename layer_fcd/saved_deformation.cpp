@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/centroidal_deformation.h> // these before Qt
-#include <vcg_ext/field/deformation_file.h>
+#include <vcg_ext/field/deformation_file.h> // before Qt
 
 #include "kept_deformation.h"
 #include "layer_matrix.h"

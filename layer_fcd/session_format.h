@@ -2,9 +2,6 @@
 #ifndef FCD_SESSION_FORMAT_H
 #define FCD_SESSION_FORMAT_H
 
-#include <vcg_ext/centroidal_deformation.h> // these before Qt
-#include <vcg_ext/surface/read_surface.h>
-
 #include "layer_labels.h"
 #include "layer_state.h"
 #include "mesh_copy.h"

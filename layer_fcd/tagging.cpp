@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/centroidal_deformation.h> // these before Qt
-#include <vcg_ext/handles/handle_file.h>
+#include <vcg_ext/handles/handle_file.h> // before Qt
 
 #include "kept_aside.h"
 #include "layer_contents.h"

@@ -2,8 +2,6 @@
 #ifndef FCD_DISPLAY_STATE_H
 #define FCD_DISPLAY_STATE_H
 
-#include <vcg_ext/centroidal_deformation.h> // before Qt
-
 #include <layer_fcd/edit_host.h>
 
 #include <optional>

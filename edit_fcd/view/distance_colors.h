@@ -2,8 +2,6 @@
 #ifndef FCD_DISTANCE_COLORS_H
 #define FCD_DISTANCE_COLORS_H
 
-#include <vcg_ext/centroidal_deformation.h> // before Qt, whose macros are common words
-
 #include <layer_fcd/meshlab_host.h>
 
 /// The colour of a distance, of the largest that is shown: from blue by green and yellow to red.

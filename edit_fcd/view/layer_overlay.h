@@ -2,8 +2,6 @@
 #ifndef FCD_LAYER_OVERLAY_H
 #define FCD_LAYER_OVERLAY_H
 
-#include <vcg_ext/centroidal_deformation.h> // before Qt, whose macros are common words
-
 #include <layer_fcd/meshlab_host.h>
 
 #include <cstdint>

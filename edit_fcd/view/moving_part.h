@@ -2,8 +2,6 @@
 #ifndef FCD_MOVING_PART_H
 #define FCD_MOVING_PART_H
 
-#include <vcg_ext/centroidal_deformation.h> // before Qt
-
 #include "edit_fcd/view/camera.h"
 #include "edit_fcd/view/layer_overlay.h"
 #include "edit_fcd/view/layer_part.h"

@@ -2,8 +2,6 @@
 #ifndef FCD_STRETCH_COLORS_H
 #define FCD_STRETCH_COLORS_H
 
-#include <vcg_ext/centroidal_deformation.h> // before Qt
-
 #include <layer_fcd/meshlab_host.h>
 
 #include <cstdint>
