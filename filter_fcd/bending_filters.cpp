@@ -7,7 +7,6 @@
 #include <layer_fcd/graph_layer.h>
 #include <layer_fcd/layer_deformer.h>
 #include <layer_fcd/layer_labels.h>
-#include <layer_fcd/results.h>
 #include <layer_fcd/saved_deformation.h>
 
 #include <sstream>

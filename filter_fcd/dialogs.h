@@ -6,7 +6,6 @@
 
 #include <functional>
 #include <map>
-#include <vector>
 
 /// \file
 /// What is done with the dialogs of MeshLab's window, for a person and not for a script (see host::inWindow).

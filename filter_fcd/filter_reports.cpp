@@ -3,7 +3,6 @@
 
 #include <layer_fcd/layer_labels.h>
 
-#include <algorithm>
 #include <cmath>
 #include <sstream>
 

@@ -10,7 +10,6 @@
 #include <vcg/space/triangle3.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>

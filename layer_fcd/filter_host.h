@@ -22,7 +22,6 @@
 #include <iterator>
 #include <map>
 #include <new>
-#include <stdexcept>
 #include <string>
 
 #include <QObject>

@@ -7,7 +7,6 @@
 #include "new_layers.h"
 #include "rest_shape.h"
 
-#include <algorithm>
 #include <cmath>
 
 using vcg::fcd::Error;

@@ -4,7 +4,6 @@
 #include "mesh_copy.h"
 #include "rest_shape.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace {

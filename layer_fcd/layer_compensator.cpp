@@ -2,7 +2,6 @@
 #include "layer_compensator.h"
 #include "layer_contents.h"
 #include "layer_labels.h"
-#include "layer_matrix.h"
 #include "line_surface.h"
 #include "new_layers.h"
 #include "results.h"

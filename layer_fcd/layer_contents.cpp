@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "layer_contents.h"
 #include "layer_normals.h"
-#include "marks.h"
 
 #include <algorithm>
-#include <cmath>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>

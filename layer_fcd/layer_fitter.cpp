@@ -2,22 +2,16 @@
 #include <vcg_ext/fit/curve_file.h> // these before Qt
 #include <vcg_ext/fit/fit_target.h>
 
-#include "layer_contents.h"
 #include "layer_fitter.h"
 #include "layer_labels.h"
 #include "layer_matrix.h"
-#include "layer_normals.h"
 #include "marks.h"
 #include "motion_sources.h"
 #include "new_layers.h"
 #include "point_sources.h"
-#include "rest_shape.h"
 #include "results.h"
 #include "tag_sources.h"
 #include "weight_sources.h"
-
-#include <algorithm>
-#include <memory>
 
 #include <QFile>
 

@@ -15,8 +15,6 @@
 #include "save_files.h"
 #include "tag_sources.h"
 
-#include <algorithm>
-#include <map>
 #include <memory>
 #include <utility>
 

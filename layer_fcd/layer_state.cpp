@@ -8,10 +8,8 @@
 #include "layer_state.h"
 
 #include <algorithm>
-#include <limits>
 #include <map>
 #include <type_traits>
-#include <utility>
 
 #include <QAction>
 #include <QStringList>

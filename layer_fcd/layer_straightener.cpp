@@ -5,7 +5,6 @@
 #include "new_layers.h"
 #include "results.h"
 
-#include <memory>
 #include <sstream>
 #include <utility>
 

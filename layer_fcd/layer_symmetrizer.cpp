@@ -2,7 +2,6 @@
 #include "layer_contents.h"
 #include "layer_fitter.h"
 #include "layer_labels.h"
-#include "layer_matrix.h"
 #include "layer_symmetrizer.h"
 #include "line_sources.h"
 #include "line_surface.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "parameters.h"
 
-#include "meshlab_host.h"
 #include "save_files.h"
 
 #include <vcg_ext/base/words.h>

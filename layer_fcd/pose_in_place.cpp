@@ -2,8 +2,6 @@
 #include "inherited_rest.h"
 #include "layer_contents.h"
 #include "layer_labels.h"
-#include "layer_normals.h"
-#include "parameters.h"
 #include "pose_in_place.h"
 
 #include <functional>

@@ -3,7 +3,6 @@
 #include "prepared_layers.h"
 
 #include <algorithm>
-#include <utility>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>

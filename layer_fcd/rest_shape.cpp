@@ -4,7 +4,6 @@
 #include "layer_contents.h"
 #include "layer_labels.h"
 #include "layer_normals.h"
-#include "parameters.h"
 #include "rest_shape.h"
 
 #include <vcg/complex/algorithms/update/bounding.h>
@@ -12,7 +11,6 @@
 #include <algorithm>
 #include <optional>
 #include <utility>
-#include <vector>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>

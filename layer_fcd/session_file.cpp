@@ -3,7 +3,6 @@
 
 #include "kept_tool.h"
 #include "layer_contents.h"
-#include "layer_matrix.h"
 #include "layer_normals.h"
 #include "rest_shape.h"
 #include "save_files.h"

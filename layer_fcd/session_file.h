@@ -3,7 +3,6 @@
 #define FCD_SESSION_FILE_H
 
 #include "layer_state.h"
-#include "parameters.h" // Remark
 
 #include <QString>
 

@@ -2,7 +2,6 @@
 #ifndef FCD_CELL_LIST_H
 #define FCD_CELL_LIST_H
 
-#include <memory>
 #include <optional>
 #include <vector>
 

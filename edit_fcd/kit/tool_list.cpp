@@ -3,8 +3,6 @@
 
 #include "edit_fcd/kit/tool_list.h"
 
-#include "edit_fcd/kit/tool_window.h"
-
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>

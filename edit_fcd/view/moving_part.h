@@ -7,7 +7,6 @@
 #include "edit_fcd/view/layer_part.h"
 
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include <QOpenGLFramebufferObject>

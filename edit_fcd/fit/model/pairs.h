@@ -5,8 +5,6 @@
 #include <layer_fcd/layer_state.h> // before Qt
 #include <layer_fcd/parameters.h>
 
-#include <optional>
-#include <string>
 #include <vector>
 
 #include <QStringList>

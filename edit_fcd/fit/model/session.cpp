@@ -7,7 +7,6 @@
 #include <layer_fcd/kept_tool.h>
 #include <layer_fcd/layer_contents.h>
 #include <layer_fcd/layer_normals.h>
-#include <layer_fcd/marks.h>
 #include <layer_fcd/pose_in_place.h>
 #include <layer_fcd/tag_sources.h>
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/fit/tool/fit_tool.h"
 
-#include <algorithm>
-
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
