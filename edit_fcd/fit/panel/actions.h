@@ -4,7 +4,7 @@
 
 #include "edit_fcd/kit/action_table.h"
 
-/// What a key does in the view.
+/// What a key does in the view, or a button of the panel.
 struct FitAction {
     enum Id {
         Undo,
@@ -13,14 +13,21 @@ struct FitAction {
         Reset,
         Pull,
         Cancel,
-        InTurn,
+        InTurn, // these in the order of FitPanel::Seen
         Both,
         Source,
         Target,
         Brush,
         OtherBrush,
         ApplyInPlace,
-        ApplyToNew
+        ApplyToNew,
+        Load, // from here on without a key
+        Save,
+        Clear,
+        LoadCurves,
+        ClearCurves,
+        SaveSession,
+        LoadSession
     };
 };
 

@@ -46,10 +46,10 @@ FitPanel::FitPanel(QWidget *parent) : QDockWidget("FCD: Fit", parent) {
     tracePlaces(*this);
 }
 
-QPushButton *FitPanel::button(const char *name, const QString &text, const QString &tip, Command which) {
+QPushButton *FitPanel::button(const char *name, const QString &text, const QString &tip, FitAction::Id which) {
     auto *made = new QPushButton(text);
     made->setObjectName(name);
-    made->setToolTip(tip);
+    made->setToolTip(fitActions().withKeys(tip, which));
     made->setFocusPolicy(Qt::NoFocus);
     connect(made, &QPushButton::clicked, this, [this, which] { emit command(which); });
     return made;
@@ -95,19 +95,32 @@ void FitPanel::addLayers(QBoxLayout &column) {
 }
 
 void FitPanel::addPairs(QBoxLayout &column) {
-    list = new FitPairList;
+    const int height = 88; // three pairs; so all of the panel fits 768 pixels
+    list = new CellList({{"Pair", "Click selects, double click: its name", 0},
+                         {"this", "Whether its place on this layer is given", 44},
+                         {"target", "Whether its place on the target is given", 52},
+                         {"", "Removes the pair", 22}},
+                        height, this);
     list->setObjectName("pairs");
-    list->setFixedHeight(88); // three pairs; so all of the panel fits 768 pixels
+    connect(list, &CellList::cellEdited, this,
+            [this](int row, int, const QString &text) { emit pairRenamed(row, text); });
+    connect(list, &CellList::cellClicked, this, [this](int row, int clicked) {
+        if (clicked == 3)
+            emit pairRemoved(row);
+        else
+            emit pairSelected(row);
+    });
     column.addWidget(list);
     auto *row = new QHBoxLayout;
     row->setSpacing(3);
     row->addWidget(button("load", "Load pairs ...",
                           "A list (.csv) or picked points (.pp) with both ends of each pair, or the picked points of "
                           "both layers with the same names: choose two files",
-                          Load));
+                          FitAction::Load));
     row->addWidget(button("save", "Save pairs ...",
-                          "As a list (.csv) or picked points (.pp), as 'FCD: Fit to Layer' reads them", Save));
-    row->addWidget(button("clear", "Clear", "Removes all pairs", Clear));
+                          "As a list (.csv) or picked points (.pp), as 'FCD: Fit to Layer' reads them",
+                          FitAction::Save));
+    row->addWidget(button("clear", "Clear", "Removes all pairs", FitAction::Clear));
     column.addLayout(row);
 }
 
@@ -133,7 +146,7 @@ void FitPanel::addShape(QBoxLayout &column) {
     progress = new QProgressBar;
     progress->setTextVisible(false);
     progress->setFixedHeight(14);
-    cancel = button("cancel", "Cancel", "Stops the pull (Esc)", Cancel);
+    cancel = button("cancel", "Cancel", "Stops the pull", FitAction::Cancel);
     working->addWidget(progress);
     working->addWidget(cancel);
     column.addLayout(working);
@@ -197,8 +210,8 @@ void FitPanel::addShape(QBoxLayout &column) {
     connect(largest, &QDoubleSpinBox::editingFinished, this, &FitPanel::optionsChanged);
     form->addRow("Largest distance", largest);
     auto *lines = new QHBoxLayout;
-    curves = button("curves", "", "", LoadCurves);
-    noCurves = button("nocurves", "Without", "The pull goes by no curves", ClearCurves);
+    curves = button("curves", "", "", FitAction::LoadCurves);
+    noCurves = button("nocurves", "Without", "The pull goes by no curves", FitAction::ClearCurves);
     lines->addWidget(curves, 1);
     lines->addWidget(noCurves);
     form->addRow("Curves", lines);
@@ -218,17 +231,18 @@ void FitPanel::addShape(QBoxLayout &column) {
 void FitPanel::addCommands(QBoxLayout &column) {
     auto *grid = new QGridLayout;
     grid->setSpacing(3);
-    grid->addWidget(button("undo", "Undo", "Undo, also over applies in place (Ctrl+Z)", Undo), 0, 0);
-    grid->addWidget(button("redo", "Redo", "Redo (Ctrl+Shift+Z)", Redo), 0, 1);
-    grid->addWidget(button("inplace", "Apply in place",
-                           "This layer keeps the shape, and the next fit begins from it (Ctrl+Enter)", ApplyInPlace),
+    grid->addWidget(button("undo", "Undo", "Undo, also over applies in place", FitAction::Undo), 0, 0);
+    grid->addWidget(button("redo", "Redo", "Redo", FitAction::Redo), 0, 1);
+    grid->addWidget(button("inplace", "Apply in place", "This layer keeps the shape, and the next fit begins from it",
+                           FitAction::ApplyInPlace),
                     1, 0);
-    grid->addWidget(button("newlayer", "Apply to new layer",
-                           "A new layer gets the shape, and this one is as it was (Ctrl+Shift+Enter)", ApplyToNewLayer),
+    grid->addWidget(button("newlayer", "Apply to new layer", "A new layer gets the shape, and this one is as it was",
+                           FitAction::ApplyToNew),
                     1, 1);
-    grid->addWidget(sessionButton("pairs, options, target, curves, what is painted, the fit and the rest shape",
-                                  [this](bool load) { emit command(load ? LoadSession : SaveSession); }),
-                    2, 0);
+    grid->addWidget(
+        sessionButton("pairs, options, target, curves, what is painted, the fit and the rest shape",
+                      [this](bool load) { emit command(load ? FitAction::LoadSession : FitAction::SaveSession); }),
+        2, 0);
     graphs = new QCheckBox("with graph layers");
     graphs->setToolTip("'Apply to new layer' also adds the deformation graph at rest and deformed");
     grid->addWidget(graphs, 2, 1);
@@ -287,6 +301,16 @@ void FitPanel::showCurves(const QString &file) {
                        "Lines on both layers that slide along each other when this one is pulled: lips, a ridge, a "
                        "tooth's margin. A table (.csv) as 'FCD: Fit to Layer' reads it");
     noCurves->setEnabled(!file.isEmpty());
+}
+
+void FitPanel::showPairs(const std::vector<FitPair> &pairs, int selected) {
+    std::vector<CellList::Row> rows;
+    rows.reserve(pairs.size());
+    const auto centered = [](const QString &text) { return ListCell{text, {}, {}, {}, {}, true}; };
+    for (const FitPair &each : pairs)
+        rows.push_back({ListCell::edited(QString::fromStdString(each.name)), centered(each.slot ? "\u2713" : ""),
+                        centered(each.place ? "\u2713" : ""), centered("\u2715")});
+    list->showRows(std::move(rows), selected);
 }
 
 void FitPanel::showProgress(int percent) {

@@ -4,7 +4,8 @@
 
 #include "edit_fcd/fit/model/session.h" // before Qt
 
-#include "edit_fcd/fit/panel/pair_list.h"
+#include "edit_fcd/fit/panel/actions.h"
+#include "edit_fcd/kit/cell_list.h"
 #include "edit_fcd/kit/tool_list.h"
 
 #include <QButtonGroup>
@@ -28,20 +29,6 @@ class FitPanel : public QDockWidget {
     enum Seen { InTurn, Both, Source, Target };
     /// What a press on a layer does: it places an end of a pair, or paints what counts, or what is carried along.
     enum Brush { Pairs, Counts, Carried };
-    enum Command {
-        Load,
-        Save,
-        Clear,
-        LoadCurves,
-        ClearCurves,
-        Undo,
-        Redo,
-        Cancel,
-        ApplyInPlace,
-        ApplyToNewLayer,
-        SaveSession,
-        LoadSession
-    };
 
     explicit FitPanel(QWidget *parent);
 
@@ -68,7 +55,8 @@ class FitPanel : public QDockWidget {
     void showLegend(double most);
     /// \param percent of work that goes on, -1: none does
     void showProgress(int percent);
-    FitPairList &pairs() { return *list; }
+    /// \param selected one of them, -1: none
+    void showPairs(const std::vector<FitPair> &pairs, int selected);
 
   signals:
     void targetChosen();
@@ -77,7 +65,10 @@ class FitPanel : public QDockWidget {
     void shapeChosen();
     void optionsChanged();
     void distanceToggled();
-    void command(int which);
+    void command(int which); ///< a FitAction
+    void pairSelected(int row);
+    void pairRemoved(int row);
+    void pairRenamed(int row, QString name);
 
   private:
     void addLayers(QBoxLayout &column);
@@ -85,7 +76,7 @@ class FitPanel : public QDockWidget {
     void addShape(QBoxLayout &column);
     void addCommands(QBoxLayout &column);
     QComboBox *choice(const char *name, const QStringList &texts, const QString &tip) const;
-    QPushButton *button(const char *name, const QString &text, const QString &tip, Command which);
+    QPushButton *button(const char *name, const QString &text, const QString &tip, FitAction::Id which);
 
     QComboBox *targets, *start, *weights, *targetWeights;
     QButtonGroup *seenButtons, *brushButtons, *shapes;
@@ -97,7 +88,7 @@ class FitPanel : public QDockWidget {
     QCheckBox *distance, *graphs;
     QProgressBar *progress;
     QPushButton *cancel, *curves, *noCurves;
-    FitPairList *list;
+    CellList *list;
 };
 
 #endif

@@ -174,44 +174,6 @@ void FitTool::pressKey(QKeyEvent *event) {
         view->update();
 }
 
-void FitTool::act(int key) {
-    switch (key) {
-    case FitAction::Undo: onCommand(FitPanel::Undo); break;
-    case FitAction::Redo: onCommand(FitPanel::Redo); break;
-    case FitAction::Cancel: onCommand(FitPanel::Cancel); break;
-    case FitAction::ApplyInPlace: onCommand(FitPanel::ApplyInPlace); break;
-    case FitAction::ApplyToNew: onCommand(FitPanel::ApplyToNewLayer); break;
-    case FitAction::InTurn: setSeen(FitPanel::InTurn); break;
-    case FitAction::Both: setSeen(FitPanel::Both); break;
-    case FitAction::Source: setSeen(FitPanel::Source); break;
-    case FitAction::Target: setSeen(FitPanel::Target); break;
-    case FitAction::Brush: setBrush(isPainting() ? FitPanel::Pairs : lastBrush); break;
-    case FitAction::OtherBrush:
-        if (isPainting())
-            setBrush(lastBrush == FitPanel::Carried ? FitPanel::Counts : FitPanel::Carried);
-        break;
-    case FitAction::Remove:
-        if (!isReady() || selected < 0 || selected >= int(session->state().pairs.size()))
-            break;
-        session->change();
-        session->remove(std::size_t(selected));
-        selected = -1;
-        reshape(true);
-        showLayers();
-        break;
-    case FitAction::Reset:
-    case FitAction::Pull:
-        if (!isReady())
-            break;
-        session->change();
-        session->setShape(key == FitAction::Reset ? FitShape::Rest : FitShape::Pulled);
-        if (key == FitAction::Pull && panel->seen() == FitPanel::InTurn)
-            setSeen(FitPanel::Both);
-        reshape(true);
-        break;
-    }
-}
-
 // --- the panel ---
 
 /// The surface follows the slider once it rests for a moment.
@@ -225,53 +187,81 @@ void FitTool::onOptions() {
         optionsTimer.start(150);
 }
 
-void FitTool::onCommand(int which) {
-    hint.clear();
-    if (which == FitPanel::Cancel) {
-        if (!work)
-            return;
-        stopWork();
-        if (session->state().shape == FitShape::Pulled && !session->isAsLeft() &&
-            !(target() && session->pulled(*target()))) {
-            session->setShape(FitShape::Landmarks);
-            reshape(true);
-        }
+/// What a key or a button asks for.
+void FitTool::act(int action) {
+    switch (action) { // what the layer need not be there for
+    case FitAction::Cancel: cancelPull(); return;
+    case FitAction::InTurn:
+    case FitAction::Both:
+    case FitAction::Source:
+    case FitAction::Target: setSeen(FitPanel::Seen(action - FitAction::InTurn)); return;
+    case FitAction::Brush: setBrush(isPainting() ? FitPanel::Pairs : lastBrush); return;
+    case FitAction::OtherBrush:
+        if (isPainting())
+            setBrush(lastBrush == FitPanel::Carried ? FitPanel::Counts : FitPanel::Carried);
         return;
     }
     if (!isReady() || dragged || stroke)
         return;
-    switch (which) {
-    case FitPanel::Load:
-    case FitPanel::Save: chooseFiles(which == FitPanel::Load); break;
-    case FitPanel::Clear:
-        session->change();
-        session->setPairs({});
-        selected = -1;
-        reshape(true);
-        showLayers();
-        break;
-    case FitPanel::LoadCurves: {
-        const QString file = QFileDialog::getOpenFileName(view->window(), "Load curves", QString(), "Tables (*.csv)");
-        if (!file.isEmpty() && isReady())
-            setCurves(file.toStdString());
-        break;
-    }
-    case FitPanel::ClearCurves: setCurves(""); break;
-    case FitPanel::Undo:
-    case FitPanel::Redo:
+    switch (action) {
+    case FitAction::Undo:
+    case FitAction::Redo:
         stopWork();
-        if (which == FitPanel::Undo ? session->undo() : session->redo()) {
+        if (action == FitAction::Undo ? session->undo() : session->redo()) {
             selected = -1;
             panel->showOptions(session->state().options);
             reshape(true);
             showLayers();
         }
         break;
-    case FitPanel::SaveSession:
-    case FitPanel::LoadSession: chooseSession(which == FitPanel::LoadSession); break;
-    case FitPanel::ApplyInPlace:
-    case FitPanel::ApplyToNewLayer: apply(which == FitPanel::ApplyInPlace); break;
+    case FitAction::Remove:
+    case FitAction::Clear:
+        if (action == FitAction::Remove && (selected < 0 || selected >= int(session->state().pairs.size())))
+            break;
+        session->change();
+        if (action == FitAction::Remove)
+            session->remove(std::size_t(selected));
+        else
+            session->setPairs({});
+        selected = -1;
+        reshape(true);
+        showLayers();
+        break;
+    case FitAction::Reset:
+    case FitAction::Pull: setShape(action == FitAction::Reset ? FitShape::Rest : FitShape::Pulled); break;
+    case FitAction::Load:
+    case FitAction::Save: chooseFiles(action == FitAction::Load); break;
+    case FitAction::LoadCurves: {
+        const QString file = QFileDialog::getOpenFileName(view->window(), "Load curves", QString(), "Tables (*.csv)");
+        if (!file.isEmpty() && isReady())
+            setCurves(file.toStdString());
+        break;
     }
+    case FitAction::ClearCurves: setCurves(""); break;
+    case FitAction::SaveSession:
+    case FitAction::LoadSession: chooseSession(action == FitAction::LoadSession); break;
+    case FitAction::ApplyInPlace:
+    case FitAction::ApplyToNew: apply(action == FitAction::ApplyInPlace); break;
+    }
+}
+
+void FitTool::cancelPull() {
+    if (!work)
+        return;
+    stopWork();
+    if (session->state().shape == FitShape::Pulled && !session->isAsLeft() &&
+        !(target() && session->pulled(*target()))) {
+        session->setShape(FitShape::Landmarks);
+        reshape(true);
+    }
+}
+
+void FitTool::setShape(FitShape shape) {
+    session->change();
+    session->setShape(shape);
+    if (shape != FitShape::Rest && panel->seen() == FitPanel::InTurn)
+        setSeen(FitPanel::Both);
+    reshape(true);
 }
 
 /// \param file empty: none

@@ -125,12 +125,7 @@ void FitTool::refresh() {
     panel->showCurves(lines ? QString::fromStdString(lines->file) : QString());
     if (layer())
         session->keep(target());
-    std::vector<FitPairRow> rows;
-    const std::vector<FitPair> &pairs = session->state().pairs;
-    rows.reserve(pairs.size());
-    for (const FitPair &each : pairs)
-        rows.push_back({QString::fromStdString(each.name), each.slot.has_value(), each.place.has_value()});
-    panel->pairs().show(rows, selected);
+    panel->showPairs(session->state().pairs, selected);
 }
 
 // --- work beside the window ---

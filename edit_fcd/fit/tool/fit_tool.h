@@ -7,7 +7,6 @@
 #include "edit_fcd/kit/job_runner.h"
 #include "edit_fcd/fit/tool/overlay.h"
 #include "edit_fcd/fit/tool/weight_brush.h"
-#include "edit_fcd/fit/panel/actions.h"
 #include "edit_fcd/fit/panel/panel.h"
 #include "edit_fcd/kit/layer_tool.h"
 #include "edit_fcd/kit/tool_window.h"
@@ -59,9 +58,10 @@ class FitTool : public LayerTool {
     void showTargets();
     void onTarget();
     void onOptions();
-    void onCommand(int which);
     void apply(bool inPlace);
-    void act(int key);
+    void act(int action);
+    void cancelPull();
+    void setShape(FitShape shape);
 
     void chooseFiles(bool load);
     void setCurves(const std::string &file);

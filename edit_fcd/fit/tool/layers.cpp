@@ -196,13 +196,8 @@ void FitTool::makePanel() {
     });
     when(panel.data(), &FitPanel::shapeChosen, [this] {
         later([this] { refresh(); });
-        if (!isReady())
-            return;
-        session->change();
-        session->setShape(panel->shape());
-        if (panel->shape() != FitShape::Rest && panel->seen() == FitPanel::InTurn)
-            setSeen(FitPanel::Both);
-        reshape(true);
+        if (isReady())
+            setShape(panel->shape());
     });
     when(panel.data(), &FitPanel::optionsChanged, [this] { onOptions(); });
     when(panel.data(), &FitPanel::distanceToggled, [this] {
@@ -211,22 +206,22 @@ void FitTool::makePanel() {
         showColors();
     });
     when(panel.data(), &FitPanel::command, [this](int which) {
-        guarded([&] { onCommand(which); });
+        hint.clear();
+        guarded([&] { act(which); });
         refresh();
     });
-    const FitPairList *list = &panel->pairs();
-    when(list, &FitPairList::selected, [this](int row) {
+    when(panel.data(), &FitPanel::pairSelected, [this](int row) {
         selected = row;
         view->update();
     });
-    when(list, &FitPairList::renamed, [this](int row, const QString &name) {
+    when(panel.data(), &FitPanel::pairRenamed, [this](int row, const QString &name) {
         later([this] { refresh(); }); // not in the midst of the list's own events
         if (!isReady())
             return;
         session->change();
         session->rename(std::size_t(row), name.trimmed().toStdString());
     });
-    when(list, &FitPairList::removed, [this](int row) {
+    when(panel.data(), &FitPanel::pairRemoved, [this](int row) {
         selected = row;
         later([this] {
             guarded([&] { act(FitAction::Remove); });
