@@ -5,13 +5,12 @@
 #include "deformed_copies.h"
 #include "kept_deformation.h"
 #include "layer_contents.h"
+#include "layer_labels.h"
 #include "layer_matrix.h"
 #include "new_layers.h"
 
 #include <memory>
 #include <utility>
-
-#include <QFile>
 
 using vcg::fcd::DeformationField;
 using vcg::fcd::Error;
@@ -35,8 +34,7 @@ DeformedCopies copyDeformation(MeshDocument &document, const CopyParam &param, c
         };
         matrix = source->matrix;
     } else {
-        field = std::make_unique<DeformationField>(
-            vcg::fcd::ReadDeformationFile(QFile::encodeName(param.file).toStdString()));
+        field = std::make_unique<DeformationField>(vcg::fcd::ReadDeformationFile(pathOf(param.file)));
         displacement = [&field](const Carried &vertex, Eigen::Matrix3f &map) {
             return (*field)(vertex.position, &map);
         };

@@ -13,8 +13,6 @@
 #include "tag_sources.h"
 #include "weight_sources.h"
 
-#include <QFile>
-
 using vcg::fcd::Deformer;
 using vcg::fcd::Error;
 using vcg::fcd::FitGoal;
@@ -73,7 +71,7 @@ LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam 
                     "'landmarks_only' out.");
     curves = param.curves;
     if (!param.curveFile.isEmpty())
-        curves = vcg::fcd::ReadCurveFile(QFile::encodeName(param.curveFile).toStdString());
+        curves = vcg::fcd::ReadCurveFile(pathOf(param.curveFile));
     surface = rest ? vcg::tri::ReadSurface(layer.cm, progress.Slice(0, 0.5), [&](std::size_t i) { return rest[i]; })
                    : vcg::tri::ReadSurface(layer.cm, progress.Slice(0, 0.5));
     const SurfaceView view = surface.View();

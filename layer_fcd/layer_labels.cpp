@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include <QFile>
 #include <QRegularExpression>
 
 namespace {
@@ -17,6 +18,8 @@ QString nameOf(const MeshModel &layer) {
 } // namespace
 
 std::string inQuotes(const QString &name) { return "'" + name.toStdString() + "'"; }
+
+std::string pathOf(const QString &file) { return QFile::encodeName(file).toStdString(); }
 
 std::string inQuotes(const MeshModel &layer) { return inQuotes(layer.label()); }
 

@@ -12,6 +12,9 @@
 std::string inQuotes(const QString &name);
 std::string inQuotes(const MeshModel &layer);
 
+/// The path of a file as the system has it, for what reads it.
+std::string pathOf(const QString &file);
+
 /// The layer that another one is laid onto. \param parameter names it
 /// \throw vcg::fcd::Error there is none, it is \p layer itself, or it has no vertices
 const MeshModel &checkedTarget(const MeshModel &layer, const MeshModel *target, const std::string &parameter);

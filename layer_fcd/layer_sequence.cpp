@@ -18,8 +18,6 @@
 #include <memory>
 #include <utility>
 
-#include <QFile>
-
 using vcg::fcd::Companion;
 using vcg::fcd::Deformer;
 using vcg::fcd::Error;
@@ -65,7 +63,7 @@ Poses findPoses(const MeshModel &layer, const QString &file) {
                     " keeps no poses: layers that are saved and loaded, or copied, lose them. Give the .csv file with "
                     "the poses as 'poses_file'.");
     }
-    return {vcg::fcd::ReadPoseSequence(vcg::fcd::ReadFile(QFile::encodeName(file).toStdString(), most), name), name};
+    return {vcg::fcd::ReadPoseSequence(vcg::fcd::ReadFile(pathOf(file), most), name), name};
 }
 
 } // namespace

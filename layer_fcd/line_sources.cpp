@@ -7,8 +7,6 @@
 #include "line_sources.h"
 #include "picked_points.h"
 
-#include <QFile>
-
 using vcg::fcd::Index;
 
 Eigen::Matrix3Xd readLine(const MeshModel &layer) {
@@ -27,7 +25,7 @@ Eigen::Matrix3Xd readLine(const MeshModel &layer) {
 
 Eigen::Matrix3Xd readLine(const QString &file) {
     const std::size_t most = 100000000; // bytes, of a million points
-    const std::string text = vcg::fcd::ReadFile(QFile::encodeName(file).toStdString(), most);
+    const std::string text = vcg::fcd::ReadFile(pathOf(file), most);
     if (!file.endsWith(".pp", Qt::CaseInsensitive))
         return vcg::fcd::ReadLineText(text, file.toStdString());
     const std::vector<Eigen::Vector3d> picked = readActivePoints(QByteArray::fromStdString(text), inQuotes(file));

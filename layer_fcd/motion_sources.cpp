@@ -12,7 +12,6 @@
 #include <limits>
 #include <sstream>
 
-#include <QFile>
 #include <QRegularExpression>
 
 using vcg::fcd::Error;
@@ -114,8 +113,7 @@ bool readMotions(const MeshDocument &document, const MeshModel &layer, const Poi
     const CMeshO &mesh = layer.cm;
     std::vector<Eigen::Matrix4d> listed;
     if (!param.transformFile.isEmpty())
-        listed =
-            vcg::fcd::ReadTransformFile(QFile::encodeName(param.transformFile).toStdString(), mostBytes(layer, 1000));
+        listed = vcg::fcd::ReadTransformFile(pathOf(param.transformFile), mostBytes(layer, 1000));
 
     const std::map<int, std::vector<MotionStep>> told = readMotionSteps(document, layer, param.transforms);
     for (const auto &clause : told)

@@ -11,8 +11,6 @@
 #include <algorithm>
 #include <memory>
 
-#include <QFile>
-
 using vcg::fcd::Error;
 using vcg::fcd::PointHandle;
 using vcg::fcd::PointPair;
@@ -21,7 +19,7 @@ namespace {
 
 std::vector<PointPair> readPairs(const QString &path, const QString &targets, std::size_t mostBytes) {
     const auto read = [&](const QString &file) {
-        return QByteArray::fromStdString(vcg::fcd::ReadFile(QFile::encodeName(file).toStdString(), mostBytes));
+        return QByteArray::fromStdString(vcg::fcd::ReadFile(pathOf(file), mostBytes));
     };
     const auto isPicked = [](const QString &file) { return file.endsWith(".pp", Qt::CaseInsensitive); };
     if (!targets.isEmpty()) {
@@ -30,7 +28,7 @@ std::vector<PointPair> readPairs(const QString &path, const QString &targets, st
         return matchPickedPoints(read(path), inQuotes(path), read(targets), inQuotes(targets));
     }
     if (!isPicked(path))
-        return vcg::fcd::ReadPointHandleFile(QFile::encodeName(path).toStdString(), mostBytes);
+        return vcg::fcd::ReadPointHandleFile(pathOf(path), mostBytes);
     return readPickedPoints(read(path), inQuotes(path));
 }
 

@@ -18,7 +18,6 @@
 #include <sstream>
 
 #include <QCryptographicHash>
-#include <QFile>
 
 using vcg::fcd::Error;
 
@@ -196,7 +195,7 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
     CMeshO &mesh = layer.cm;
     const std::string name = inQuotes(file);
     const std::size_t each = 12 * sizeof(double) + 48, shapes = RestShape::mostEarlier * 6 * sizeof(double);
-    const std::string all = vcg::fcd::ReadFile(QFile::encodeName(file).toStdString(),
+    const std::string all = vcg::fcd::ReadFile(pathOf(file),
                                                100000000 + (each + shapes) * std::size_t(mesh.vn)); // poses are text
     const QCborMap outer = QCborValue::fromCbor(QByteArray::fromStdString(all)).toMap();
     if (outer.value(QString("format")).toString() != formatName)

@@ -15,8 +15,6 @@
 #include <limits>
 #include <sstream>
 
-#include <QFile>
-
 using vcg::fcd::Error;
 using vcg::fcd::Handles;
 
@@ -109,7 +107,7 @@ std::vector<int> tagsFromAttribute(const MeshModel &layer, const QString &name) 
 
 std::vector<int> tagsFromFile(const MeshModel &layer, const QString &path) {
     const CMeshO &mesh = layer.cm;
-    const std::vector<int> listed = vcg::fcd::ReadTagFile(QFile::encodeName(path).toStdString(), mostBytes(layer, 100));
+    const std::vector<int> listed = vcg::fcd::ReadTagFile(pathOf(path), mostBytes(layer, 100));
     if (listed.size() != std::size_t(mesh.vn))
         throw Error(path.toStdString() + " has " + std::to_string(listed.size()) + " tags, but the layer " +
                     inQuotes(layer) + " has " + std::to_string(mesh.vn) +
