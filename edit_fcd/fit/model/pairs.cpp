@@ -5,13 +5,15 @@
 
 #include "edit_fcd/fit/model/pairs.h"
 
+#include <layer_fcd/layer_contents.h>
 #include <layer_fcd/layer_labels.h>
 #include <layer_fcd/layer_matrix.h>
 #include <layer_fcd/picked_points.h>
 #include <layer_fcd/point_sources.h>
 #include <layer_fcd/save_files.h>
 
-#include <QFile>
+#include <algorithm>
+#include <utility>
 
 using vcg::fcd::Error;
 
@@ -20,23 +22,39 @@ namespace {
 const std::size_t mostBytes = 100000000; // of a file
 
 QByteArray bytesOf(const QString &file) {
-    return QByteArray::fromStdString(vcg::fcd::ReadFile(QFile::encodeName(file).toStdString(), mostBytes));
+    return QByteArray::fromStdString(vcg::fcd::ReadFile(pathOf(file), mostBytes));
 }
 
 bool isPicked(const QString &file) { return file.endsWith(".pp", Qt::CaseInsensitive); }
 
+std::vector<Eigen::Vector3d> inWorld(const MeshModel &layer, const Point3m *rest,
+                                     const std::vector<std::size_t> &slot) {
+    const Eigen::Affine3d world = invertibleMatrixOf(layer);
+    std::vector<Eigen::Vector3d> position;
+    position.reserve(slot.size());
+    for (const std::size_t i : slot)
+        position.push_back(world * toVector(rest[i]));
+    return position;
+}
+
+/// The live vertices of a layer at rest, in the world.
+struct RestPlaces {
+    std::vector<std::size_t> slot;
+    std::vector<Eigen::Vector3d> position; ///< of each
+    vcg::fcd::PointTree<double> tree;
+
+    RestPlaces(const MeshModel &layer, const Point3m *rest)
+        : slot(liveSlots(layer.cm)), position(inWorld(layer, rest, slot)), tree(position) {}
+    std::size_t nearest(const Eigen::Vector3d &place) const { return std::size_t(tree.Nearest(place)); }
+};
+
 /// How far the points of a .pp file are from a layer, the mean.
 double farFrom(const MeshModel &layer, const Point3m *rest, const QString &file) {
     const std::vector<Eigen::Vector3d> points = readActivePoints(bytesOf(file), inQuotes(file));
-    const Eigen::Affine3d world = invertibleMatrixOf(layer);
-    std::vector<Eigen::Vector3d> vertices;
-    for (std::size_t i = 0; i < layer.cm.vert.size(); ++i)
-        if (!layer.cm.vert[i].IsD())
-            vertices.push_back(world * toVector(rest[i]));
-    const vcg::fcd::PointTree<double> tree(vertices);
+    const RestPlaces places(layer, rest);
     double sum = 0;
     for (const Eigen::Vector3d &p : points)
-        sum += (vertices[std::size_t(tree.Nearest(p))] - p).norm();
+        sum += (places.position[places.nearest(p)] - p).norm();
     return points.empty() ? 0 : sum / double(points.size());
 }
 
@@ -78,10 +96,7 @@ std::vector<FitPair> loadPairs(const MeshModel &layer, const Point3m *rest, cons
 
 void savePairs(const MeshModel &layer, const Point3m *rest, const std::vector<FitPair> &pairs, const QString &file) {
     expectSavable(pairs);
-    std::vector<std::size_t> number(layer.cm.vert.size()); // files count live vertices
-    std::size_t live = 0;
-    for (std::size_t i = 0; i < number.size(); ++i)
-        number[i] = layer.cm.vert[i].IsD() ? live : live++;
+    const std::vector<std::size_t> live = liveSlots(layer.cm); // which files count
     const Eigen::Affine3d world = invertibleMatrixOf(layer);
     std::vector<std::pair<std::string, Eigen::Vector3d>> points;
     std::string list = "# vertex, x, y, z of its place on the target # name\n";
@@ -92,7 +107,7 @@ void savePairs(const MeshModel &layer, const Point3m *rest, const std::vector<Fi
         const Eigen::Vector3d place = *each.place;
         points.emplace_back(each.name, world * toVector(rest[slot]));
         points.emplace_back(each.name, place);
-        list += vcg::fcd::detail::ToText(number[slot]);
+        list += vcg::fcd::detail::ToText(std::lower_bound(live.begin(), live.end(), slot) - live.begin());
         for (int d = 0; d < 3; ++d)
             list += ", " + vcg::fcd::detail::ToText(place[d]);
         list += " # " + each.name + "\n";
@@ -111,4 +126,17 @@ void expectWhole(const std::vector<FitPair> &pairs) {
         if (!each.isWhole())
             throw Error("The pair '" + each.name +
                         "' is on one layer only. Click its point on the other one, or remove the pair.");
+}
+
+std::shared_ptr<const FitLines> loadLines(const MeshModel &layer, const Point3m *rest, const std::string &file) {
+    auto lines = std::make_shared<FitLines>();
+    lines->file = file;
+    lines->curves = vcg::fcd::ReadCurveFile(pathOf(QString::fromStdString(file)));
+    const RestPlaces places(layer, rest);
+    for (const vcg::fcd::CurvePair &curve : lines->curves) {
+        std::vector<std::size_t> &nearest = lines->nearest.emplace_back();
+        for (const Eigen::Vector3d &corner : curve.source)
+            nearest.push_back(places.slot[places.nearest(corner)]);
+    }
+    return lines;
 }

@@ -2,9 +2,13 @@
 #ifndef FCD_FIT_PAIRS_H
 #define FCD_FIT_PAIRS_H
 
-#include <layer_fcd/layer_state.h> // before Qt
+#include <vcg_ext/fit/curve_file.h> // before Qt
+
+#include <layer_fcd/layer_state.h>
 #include <layer_fcd/parameters.h>
 
+#include <memory>
+#include <string>
 #include <vector>
 
 #include <QStringList>
@@ -22,5 +26,15 @@ void savePairs(const MeshModel &layer, const Point3m *rest, const std::vector<Fi
 void expectSavable(const std::vector<FitPair> &pairs);
 /// \throw vcg::fcd::Error naming a pair that lacks one of its ends
 void expectWhole(const std::vector<FitPair> &pairs);
+
+/// Curves of a file that lead a fit, and where those of the layer go with it.
+struct FitLines {
+    std::string file;
+    std::vector<vcg::fcd::CurvePair> curves;
+    std::vector<std::vector<std::size_t>> nearest; ///< of each, of each corner of the source: slot of a vertex
+};
+
+/// \param rest of each vertex slot, at least one of which is live \throw vcg::fcd::Error as ReadCurveFile
+std::shared_ptr<const FitLines> loadLines(const MeshModel &layer, const Point3m *rest, const std::string &file);
 
 #endif

@@ -3,7 +3,6 @@
 #define FCD_FIT_SESSION_H
 
 #include "edit_fcd/shape/rest_guard.h" // these before Qt
-#include "edit_fcd/fit/model/lines.h"
 #include "edit_fcd/fit/model/pairs.h"
 #include "edit_fcd/kit/history.h"
 
