@@ -100,29 +100,6 @@ QString FilterFcd::shown() const {
     return shownLayer.isEmpty() ? QString() : "<b>Deforms '" + shownLayer.toHtmlEscaped() + "'.</b> ";
 }
 
-RichParameterList FilterFcd::defaults(int id, const MeshDocument &document) {
-    switch (id) {
-    case BuildGraph: return parametersOf<BuildGraphParam>(document);
-    case DeformMesh: return parametersOf<DeformMeshParam>(document);
-    case FitMesh: return parametersOf<FitMeshParam>(document);
-    case StraightenMesh: return parametersOf<StraightenMeshParam>(document);
-    case Symmetrize: return parametersOf<SymmetrizeParam>(document);
-    case Compensate: return parametersOf<CompensateLayerParam>(document);
-    case PoseSequence: return parametersOf<SequenceParam>(document);
-    case PoseInPlace: return parametersOf<PoseParam>(document);
-    case ResetPose: return parametersOf<ResetPoseParam>(document);
-    case CopyDeformation: return parametersOf<CopyParam>(document);
-    case SaveDeformation: return parametersOf<SaveDeformationParam>(document);
-    case Tag: return parametersOf<TagParam>(document);
-    case TagSelection: return parametersOf<TagSelectionParam>(document);
-    case TagsFromFiles: return parametersOf<TagsFromFilesParam>(document);
-    case SaveTags: return parametersOf<SaveTagsParam>(document);
-    case SaveSession: return parametersOf<SaveSessionParam>(document);
-    case LoadSession: return parametersOf<LoadSessionParam>(document);
-    }
-    return RichParameterList(); // Clear Tags has none
-}
-
 HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList &parameters, MeshDocument &document,
                                                 vcg::CallBackPos *callback) {
     const TidyLater tidy(document);

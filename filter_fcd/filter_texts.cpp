@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "filter_fcd.h"
+#include "filter_parameters.h"
 
 // What the filters are called, in the window and in scripts, and what they say of themselves.
 
@@ -9,35 +10,41 @@ const char *const reference = "<br>Method: A. Morsucci, M. Centin, A. Signoroni,
                               "large mesh models</i>, STAG 2018 "
                               "(<a href='https://doi.org/10.2312/stag.20181302'>doi:10.2312/stag.20181302</a>)";
 
-/// What a filter is called.
+/// What a filter is called, and its parameters with their defaults.
 struct Called {
     int id;
     const char *inWindow, *inScripts;
+    RichParameterList (*parameters)(const MeshDocument &);
 };
 
+RichParameterList noParameters(const MeshDocument &) { return RichParameterList(); }
+
 const Called called[] = {
-    {FilterFcd::BuildGraph, "FCD: Build Deformation Graph", "generate_fcd_deformation_graph"},
-    {FilterFcd::DeformMesh, "FCD: Deform Mesh", "generate_fcd_deformed_mesh"},
-    {FilterFcd::FitMesh, "FCD: Fit to Layer", "generate_fcd_fitted_mesh"},
-    {FilterFcd::StraightenMesh, "FCD: Straighten Mesh", "generate_fcd_straightened_mesh"},
-    {FilterFcd::Symmetrize, "FCD: Symmetrize", "generate_fcd_symmetrized_mesh"},
-    {FilterFcd::Compensate, "FCD: Compensate", "generate_fcd_compensated_mesh"},
-    {FilterFcd::PoseSequence, "FCD: Pose Sequence", "generate_fcd_pose_sequence"},
-    {FilterFcd::PoseInPlace, "FCD: Pose in Place", "apply_coord_fcd_deformation"},
-    {FilterFcd::ResetPose, "FCD: Reset Pose", "apply_coord_fcd_reset"},
-    {FilterFcd::CopyDeformation, "FCD: Apply Deformation to Layer", "generate_fcd_deformed_copy"},
-    {FilterFcd::SaveDeformation, "FCD: Save Deformation", "save_fcd_deformation"},
-    {FilterFcd::Tag, "FCD: Tag", "compute_fcd_tags"},
-    {FilterFcd::TagSelection, "FCD: Tag Selection", "compute_fcd_tags_from_selection"},
-    {FilterFcd::TagsFromFiles, "FCD: Tags from Files", "compute_fcd_tags_from_files"},
-    {FilterFcd::ClearTags, "FCD: Clear Tags", "clear_fcd_tags"},
-    {FilterFcd::SaveTags, "FCD: Save Tags", "save_fcd_tags"},
-    {FilterFcd::SaveSession, "FCD: Save Session", "save_fcd_session"},
-    {FilterFcd::LoadSession, "FCD: Load Session", "load_fcd_session"},
+    {FilterFcd::BuildGraph, "FCD: Build Deformation Graph", "generate_fcd_deformation_graph",
+     parametersOf<BuildGraphParam>},
+    {FilterFcd::DeformMesh, "FCD: Deform Mesh", "generate_fcd_deformed_mesh", parametersOf<DeformMeshParam>},
+    {FilterFcd::FitMesh, "FCD: Fit to Layer", "generate_fcd_fitted_mesh", parametersOf<FitMeshParam>},
+    {FilterFcd::StraightenMesh, "FCD: Straighten Mesh", "generate_fcd_straightened_mesh",
+     parametersOf<StraightenMeshParam>},
+    {FilterFcd::Symmetrize, "FCD: Symmetrize", "generate_fcd_symmetrized_mesh", parametersOf<SymmetrizeParam>},
+    {FilterFcd::Compensate, "FCD: Compensate", "generate_fcd_compensated_mesh", parametersOf<CompensateLayerParam>},
+    {FilterFcd::PoseSequence, "FCD: Pose Sequence", "generate_fcd_pose_sequence", parametersOf<SequenceParam>},
+    {FilterFcd::PoseInPlace, "FCD: Pose in Place", "apply_coord_fcd_deformation", parametersOf<PoseParam>},
+    {FilterFcd::ResetPose, "FCD: Reset Pose", "apply_coord_fcd_reset", parametersOf<ResetPoseParam>},
+    {FilterFcd::CopyDeformation, "FCD: Apply Deformation to Layer", "generate_fcd_deformed_copy",
+     parametersOf<CopyParam>},
+    {FilterFcd::SaveDeformation, "FCD: Save Deformation", "save_fcd_deformation", parametersOf<SaveDeformationParam>},
+    {FilterFcd::Tag, "FCD: Tag", "compute_fcd_tags", parametersOf<TagParam>},
+    {FilterFcd::TagSelection, "FCD: Tag Selection", "compute_fcd_tags_from_selection", parametersOf<TagSelectionParam>},
+    {FilterFcd::TagsFromFiles, "FCD: Tags from Files", "compute_fcd_tags_from_files", parametersOf<TagsFromFilesParam>},
+    {FilterFcd::ClearTags, "FCD: Clear Tags", "clear_fcd_tags", noParameters},
+    {FilterFcd::SaveTags, "FCD: Save Tags", "save_fcd_tags", parametersOf<SaveTagsParam>},
+    {FilterFcd::SaveSession, "FCD: Save Session", "save_fcd_session", parametersOf<SaveSessionParam>},
+    {FilterFcd::LoadSession, "FCD: Load Session", "load_fcd_session", parametersOf<LoadSessionParam>},
 };
 
 const Called &calledOf(int id) {
-    static const Called nothing{-1, "", ""};
+    static const Called nothing{-1, "", "", noParameters};
     for (const Called &each : called)
         if (each.id == id)
             return each;
@@ -49,6 +56,10 @@ const Called &calledOf(int id) {
 QString FilterFcd::filterName(int id) const { return calledOf(id).inWindow; }
 
 QString FilterFcd::scriptName(int id) const { return calledOf(id).inScripts; }
+
+RichParameterList FilterFcd::defaults(int id, const MeshDocument &document) {
+    return calledOf(id).parameters(document);
+}
 
 QString FilterFcd::filterInfo(int id) const {
     switch (id) {
