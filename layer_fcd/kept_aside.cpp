@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kept_aside.h"
-#include "inherited_scan.h"
+#include "inherited.h"
 #include "kept_scan.h"
 #include "layer_contents.h"
 #include "layer_labels.h"
@@ -113,7 +113,7 @@ void takeTags(const MeshModel &layer, const std::vector<int> &tag, bool color, b
 
 BroughtBack bringBack(const MeshDocument &document, MeshModel &layer) {
     if (const LayerState *state = LayerState::of(layer))
-        handDown(document, *state);
+        handDownScan(document, *state);
     const bool hadMarks = hasMarks(layer);
     dropMarks(layer);
     if (!scanOf(layer) && hadMarks)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "rest_shape.h" // which includes others before Qt
 
+#include "inherited.h"
 #include "kept_graph.h"
 
 #include <algorithm>
@@ -21,10 +22,9 @@ std::optional<GraphState> graphOf(const MeshDocument &document, const MeshModel 
 }
 
 void handDownGraph(const MeshDocument &document, const LayerState &state) {
-    for (const MeshModel *layer : host::layers(document))
-        if (state.graph && layer->cm.fn == 0 && !LayerState::known(*layer).graph &&
-            shapeOf(layer->cm) == state.graph->shape)
-            LayerState::made(document, const_cast<MeshModel &>(*layer)).graph = state.graph;
+    handDown(document, state, &LayerState::graph, [&state](const MeshModel &layer) {
+        return layer.cm.fn == 0 && shapeOf(layer.cm) == state.graph->shape ? state.graph : std::nullopt;
+    });
 }
 
 const MeshModel *likelyGraph(const MeshDocument &document, bool isDeformed) {

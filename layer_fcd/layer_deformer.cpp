@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "angle_normals.h"
 #include "graph_layer.h"
-#include "inherited_rest.h"
+#include "inherited.h"
 #include "kept_graph.h"
 #include "layer_contents.h"
 #include "layer_deformer.h"

@@ -4,7 +4,7 @@
 
 #include <vcg_ext/fit.h> // before Qt
 
-#include "inherited_rest.h"
+#include "inherited.h"
 #include "layer_contents.h"
 #include "layer_normals.h"
 #include "parameters.h"

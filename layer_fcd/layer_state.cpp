@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "inherited_rest.h"
-#include "inherited_scan.h"
+#include "inherited.h"
 #include "kept_deformation.h"
 #include "kept_graph.h"
 #include "kept_tool.h"
@@ -91,7 +90,7 @@ std::string listOf(const LayerState &state, bool hasTool) {
 /// what none of them has.
 void leaveTo(MeshDocument &document, LayerState &gone) {
     try {
-        if (handDown(document, gone))
+        if (handDownScan(document, gone))
             gone.scan.reset();
         if (handDownRest(document, gone))
             gone.rest.reset();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "inherited_rest.h"
+#include "inherited.h"
 #include "layer_contents.h"
 #include "layer_labels.h"
 #include "pose_in_place.h"

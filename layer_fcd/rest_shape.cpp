@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "affine_map.h"
-#include "inherited_rest.h"
+#include "inherited.h"
 #include "layer_contents.h"
 #include "layer_labels.h"
 #include "layer_normals.h"

@@ -4,7 +4,7 @@
 
 #include <layer_fcd/rest_shape.h> // these before Qt
 
-#include <layer_fcd/inherited_rest.h>
+#include <layer_fcd/inherited.h>
 
 #include <algorithm>
 
