@@ -166,7 +166,7 @@ void BendStage::solve(bool full) {
 
 // --- beside the window ---
 
-void BendStage::beside(const QString &what, const Job::Work &work, std::function<void()> done,
+void BendStage::beside(const QString &what, const JobRunner::Work &work, std::function<void()> done,
                        std::function<void()> stopped, bool isLong) {
     preparingWhat = what;
     whenPrepared = std::move(done);

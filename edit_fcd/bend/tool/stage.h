@@ -54,7 +54,7 @@ class BendStage : public LayerTool {
     /// Does work on the session: at once, or, with a large layer, beside the window. \param what the panel says
     /// meanwhile \param stopped called instead of \p done when it is cancelled, or fails; may be empty
     /// \param isLong with any layer
-    void beside(const QString &what, const Job::Work &work, std::function<void()> done,
+    void beside(const QString &what, const JobRunner::Work &work, std::function<void()> done,
                 std::function<void()> stopped = {}, bool isLong = false);
     /// What is done beside the window is taken back.
     void stopPreparing();

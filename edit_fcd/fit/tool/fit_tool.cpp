@@ -130,7 +130,7 @@ void FitTool::refresh() {
 
 // --- work beside the window ---
 
-void FitTool::begin(Job::Work what, std::function<void()> done) {
+void FitTool::begin(JobRunner::Work what, std::function<void()> done) {
     stopWork();
     work.begin(std::move(what), [this, done = std::move(done)](const std::exception_ptr &thrown) {
         progressTimer.stop();

@@ -83,7 +83,7 @@ class FitTool : public LayerTool {
     void pullAsLeft();
     void follow(bool full);
     void whenPulled(const std::shared_ptr<const LayerFit> &fit, const std::shared_ptr<FittedSurface> &fitted);
-    void begin(Job::Work work, std::function<void()> done);
+    void begin(JobRunner::Work work, std::function<void()> done);
     void stopWork();
 
     void showVertices(bool full) override;

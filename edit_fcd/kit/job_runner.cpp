@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "edit_fcd/kit/job_runner.h"
+
+#include <utility>
+
+namespace {
+
+thread_local JobRunner *running = nullptr; // a callback of progress knows nothing but its arguments
+
+} // namespace
+
+void JobRunner::begin(Work work, Ended ended) {
+    stop();
+    told = 0;
+    isCancelled = false;
+    thrown = nullptr;
+    const auto end = [this, number = last, ended = std::move(ended)] {
+        if (number != last)
+            return; // it was stopped
+        thread.join();
+        if (!thrown && isCancelled) // after it had looked for the last time
+            thrown = std::make_exception_ptr(vcg::fcd::Cancelled());
+        ended(std::exchange(thrown, nullptr));
+    };
+    thread = std::thread([this, work = std::move(work), end] {
+        running = this;
+        try {
+            work(vcg::fcd::Progress(&JobRunner::tell));
+        } catch (...) {
+            thrown = std::current_exception();
+        }
+        QMetaObject::invokeMethod(owner, end, Qt::QueuedConnection);
+    });
+}
+
+void JobRunner::stop() {
+    ++last;
+    cancel();
+    if (thread.joinable())
+        thread.join();
+}
+
+bool JobRunner::tell(int percent, const char *) {
+    running->told = percent;
+    return !running->isCancelled;
+}
