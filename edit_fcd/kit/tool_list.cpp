@@ -50,10 +50,8 @@ void connectSlider(QSlider &slider, const std::function<void()> &begins, const s
 }
 
 QPushButton *sessionButton(const QString &what, const std::function<void(bool load)> &chosen) {
-    auto *button = new QPushButton("Session");
-    button->setObjectName("session");
-    button->setToolTip("A file (.fcd) with what no mesh file keeps of the layer: " + what);
-    button->setFocusPolicy(Qt::NoFocus);
+    auto *button = named(new QPushButton("Session"), "session",
+                         "A file (.fcd) with what no mesh file keeps of the layer: " + what);
     auto *files = new QMenu(button);
     QObject::connect(files->addAction("&Save session ..."), &QAction::triggered, [chosen] { chosen(false); });
     QObject::connect(files->addAction("&Load session ..."), &QAction::triggered, [chosen] { chosen(true); });

@@ -4,10 +4,12 @@
 
 #include <functional>
 #include <optional>
+#include <type_traits>
 
 #include <QDockWidget>
 #include <QDoubleSpinBox>
 #include <QLabel>
+#include <QLineEdit>
 #include <QLocale>
 #include <QPushButton>
 #include <QRegularExpression>
@@ -40,6 +42,16 @@ class CountBox : public QSpinBox {
     }
     void fixup(QString &) const override {}
 };
+
+/// Gives a widget of a panel its name and its tip. Keys stay with the view, but for what is typed into it.
+template <class Widget>
+Widget *named(Widget *widget, const char *name, const QString &tip) {
+    widget->setObjectName(name);
+    widget->setToolTip(tip);
+    if (!std::is_base_of<QAbstractSpinBox, Widget>::value && !std::is_same<QLineEdit, Widget>::value)
+        widget->setFocusPolicy(Qt::NoFocus);
+    return widget;
+}
 
 /// What a panel says of its tool's state. It has a height of its own, so that nothing moves under the mouse while the
 /// text changes; a longer text is scrolled.

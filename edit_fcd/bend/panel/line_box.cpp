@@ -37,13 +37,6 @@ BendLineBox::BendLineBox(QWidget *parent) : QWidget(parent) {
     auto *form = new QFormLayout(this);
     form->setContentsMargins(0, 0, 0, 0);
     form->setVerticalSpacing(3);
-    const auto named = [](auto *widget, const char *name, const QString &tip) {
-        widget->setObjectName(name);
-        widget->setToolTip(tip);
-        if (!qobject_cast<QDoubleSpinBox *>(widget) && !qobject_cast<QLineEdit *>(widget))
-            widget->setFocusPolicy(Qt::NoFocus); // keys stay with the view
-        return widget;
-    };
     const auto add = [&](QHBoxLayout &row, const char *name, const QString &text, const QString &tip, Command which) {
         auto *button = named(new QPushButton(text), name, tip);
         connect(button, &QPushButton::clicked, this, [this, which] { emit command(which); });

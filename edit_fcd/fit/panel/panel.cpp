@@ -39,36 +39,29 @@ FitPanel::FitPanel(QWidget *parent) : QDockWidget("FCD: Fit", parent) {
     addCommands(*column);
     column->addStretch();
     setScrolled(*this, *head, *content);
-    for (QWidget *widget : std::initializer_list<QWidget *>{targets, stiffness, distance, graphs})
-        widget->setFocusPolicy(Qt::NoFocus); // keys stay with the view
     showProgress(-1);
     showLegend(0);
     tracePlaces(*this);
 }
 
 QPushButton *FitPanel::button(const char *name, const QString &text, const QString &tip, FitAction::Id which) {
-    auto *made = new QPushButton(text);
-    made->setObjectName(name);
-    made->setToolTip(fitActions().withKeys(tip, which));
-    made->setFocusPolicy(Qt::NoFocus);
+    auto *made = named(new QPushButton(text), name, fitActions().withKeys(tip, which));
     connect(made, &QPushButton::clicked, this, [this, which] { emit command(which); });
     return made;
 }
 
 /// A row of buttons of which one is pressed.
-static QButtonGroup *choiceOf(QObject *owner, QBoxLayout &row,
+static QButtonGroup *choiceOf(FitPanel &panel, void (FitPanel::*chosen)(), QBoxLayout &row,
                               const std::vector<std::array<const char *, 3>> &namesTextsTips) {
-    auto *group = new QButtonGroup(owner);
-    for (std::size_t i = 0; i < namesTextsTips.size(); ++i) {
-        auto *made = new QToolButton;
-        made->setObjectName(namesTextsTips[i][0]);
-        made->setText(namesTextsTips[i][1]);
-        made->setToolTip(namesTextsTips[i][2]);
+    auto *group = new QButtonGroup(&panel);
+    for (const auto &[name, text, tip] : namesTextsTips) {
+        auto *made = named(new QToolButton, name, tip);
+        made->setText(text);
         made->setCheckable(true);
-        made->setFocusPolicy(Qt::NoFocus);
-        group->addButton(made, int(i));
+        group->addButton(made, group->buttons().size());
         row.addWidget(made);
     }
+    QObject::connect(group, QOverload<QAbstractButton *>::of(&QButtonGroup::buttonClicked), &panel, chosen);
     row.addStretch();
     group->button(0)->setChecked(true);
     return group;
@@ -77,19 +70,15 @@ static QButtonGroup *choiceOf(QObject *owner, QBoxLayout &row,
 void FitPanel::addLayers(QBoxLayout &column) {
     auto *form = new QFormLayout;
     form->setVerticalSpacing(3);
-    targets = new QComboBox;
-    targets->setObjectName("target");
-    targets->setToolTip("The layer that the current one is laid onto");
+    targets = named(new QComboBox, "target", "The layer that the current one is laid onto");
     connect(targets, QOverload<int>::of(&QComboBox::activated), this, &FitPanel::targetChosen);
     form->addRow("Target", targets);
     auto *row = new QHBoxLayout;
-    seenButtons = choiceOf(this, *row,
-                           {{"inturn", "In turn", "Shows the layer whose turn it is to be clicked"},
+    seenButtons = choiceOf(*this, &FitPanel::seenChosen, *row,
+                           {{"inturn", "In turn", "Shows the layer whose turn it is to be clicked (1)"},
                             {"both", "Both", "Shows this layer and the target (2)"},
                             {"source", "This", "Shows this layer alone (3)"},
                             {"other", "Target", "Shows the target alone (4)"}});
-    connect(seenButtons, QOverload<QAbstractButton *>::of(&QButtonGroup::buttonClicked), this, &FitPanel::seenChosen);
-    seenButtons->button(InTurn)->setToolTip("Shows the layer whose turn it is to be clicked (1)");
     form->addRow("Show", row);
     column.addLayout(form);
 }
@@ -125,22 +114,18 @@ void FitPanel::addPairs(QBoxLayout &column) {
 }
 
 QComboBox *FitPanel::choice(const char *name, const QStringList &texts, const QString &tip) const {
-    auto *made = new QComboBox;
-    made->setObjectName(name);
+    auto *made = named(new QComboBox, name, tip);
     made->addItems(texts);
-    made->setToolTip(tip);
-    made->setFocusPolicy(Qt::NoFocus); // keys stay with the view
     connect(made, QOverload<int>::of(&QComboBox::activated), this, &FitPanel::optionsChanged);
     return made;
 }
 
 void FitPanel::addShape(QBoxLayout &column) {
     auto *row = new QHBoxLayout;
-    shapes = choiceOf(this, *row,
+    shapes = choiceOf(*this, &FitPanel::shapeChosen, *row,
                       {{"rest", "As it was", "This layer as it is without a fit (Backspace)"},
                        {"follow", "By the pairs", "This layer as the pairs take it, as rigidly as possible"},
                        {"pull", "Pull onto the target", "This layer laid onto the target, with the pairs kept (P)"}});
-    connect(shapes, QOverload<QAbstractButton *>::of(&QButtonGroup::buttonClicked), this, &FitPanel::shapeChosen);
     column.addLayout(row);
     auto *working = new QHBoxLayout;
     progress = new QProgressBar;
@@ -153,11 +138,10 @@ void FitPanel::addShape(QBoxLayout &column) {
     auto *form = new QFormLayout;
     form->setVerticalSpacing(3);
     auto *stiff = new QHBoxLayout;
-    stiffness = new QSlider(Qt::Horizontal);
-    stiffness->setObjectName("stiffness");
+    stiffness = named(new QSlider(Qt::Horizontal), "stiffness",
+                      "How rigid the surface is when it is pulled: softer follows finer detail, stiffer smooths over "
+                      "noise and holes");
     stiffness->setRange(placeOf(FitOptions::leastStiffness), placeOf(FitOptions::mostStiffness));
-    stiffness->setToolTip("How rigid the surface is when it is pulled: softer follows finer detail, stiffer smooths "
-                          "over noise and holes");
     stiffnessText = new QLabel("1");
     stiffnessText->setMinimumWidth(36);
     stiff->addWidget(stiffness);
@@ -188,25 +172,20 @@ void FitPanel::addShape(QBoxLayout &column) {
     form->addRow("Counts", counts);
     auto *painting = new QHBoxLayout;
     brushButtons = choiceOf(
-        this, *painting,
+        *this, &FitPanel::brushChosen, *painting,
         {{"brushpairs", "Off", "Clicks place pairs (B)"},
          {"brushcounts", "Counts", "Paints what is pulled, or pulls, on either layer (B, and X for the other one)"},
          {"brushcarried", "Carried", "Paints what is not matched, on either layer: it is carried along (B, X)"}});
-    connect(brushButtons, QOverload<QAbstractButton *>::of(&QButtonGroup::buttonClicked), this, &FitPanel::brushChosen);
-    brushPixels = new CountBox;
-    brushPixels->setObjectName("brush");
-    brushPixels->setToolTip("How far the brush paints around the mouse (wheel)");
+    brushPixels = named(new CountBox, "brush", "How far the brush paints around the mouse (wheel)");
     brushPixels->setRange(2, 500);
     brushPixels->setValue(20);
     brushPixels->setSuffix(" px");
     painting->addWidget(brushPixels);
     form->addRow("Brush", painting);
-    largest = new NumberBox;
-    largest->setObjectName("largest");
+    largest = named(new NumberBox, "largest", "What is farther than this from the target has no counterpart there");
     largest->setDecimals(4);
     largest->setRange(0, FitOptions::mostDistance);
     largest->setSpecialValueText("no limit");
-    largest->setToolTip("What is farther than this from the target has no counterpart there");
     connect(largest, &QDoubleSpinBox::editingFinished, this, &FitPanel::optionsChanged);
     form->addRow("Largest distance", largest);
     auto *lines = new QHBoxLayout;
@@ -217,10 +196,9 @@ void FitPanel::addShape(QBoxLayout &column) {
     form->addRow("Curves", lines);
     showCurves(QString());
     column.addLayout(form);
-    distance = new QCheckBox("Show distance");
-    distance->setObjectName("distance");
-    distance->setToolTip("Colours this layer, once it is pulled, by how far it is from the target; grey has no "
-                         "counterpart there");
+    distance = named(new QCheckBox("Show distance"), "distance",
+                     "Colours this layer, once it is pulled, by how far it is from the target; grey has no counterpart "
+                     "there");
     connect(distance, &QCheckBox::toggled, this, &FitPanel::distanceToggled);
     column.addWidget(distance);
     legend = new QLabel;
@@ -243,8 +221,8 @@ void FitPanel::addCommands(QBoxLayout &column) {
         sessionButton("pairs, options, target, curves, what is painted, the fit and the rest shape",
                       [this](bool load) { emit command(load ? FitAction::LoadSession : FitAction::SaveSession); }),
         2, 0);
-    graphs = new QCheckBox("with graph layers");
-    graphs->setToolTip("'Apply to new layer' also adds the deformation graph at rest and deformed");
+    graphs = named(new QCheckBox("with graph layers"), "graphs",
+                   "'Apply to new layer' also adds the deformation graph at rest and deformed");
     grid->addWidget(graphs, 2, 1);
     column.addLayout(grid);
 }
