@@ -4,8 +4,6 @@
 #include "layer_labels.h"
 #include "rest_shape.h"
 
-#include <algorithm>
-
 using vcg::fcd::Error;
 
 namespace {
@@ -60,18 +58,12 @@ Eigen::Matrix3Xd positionsBefore(MeshModel &source, const Deformation &deformati
 }
 
 DeformationLayers lastDeformation(const MeshDocument &document) {
-    const std::vector<const MeshModel *> layers = host::layers(document);
-    const auto layerOf = [&layers](int id) {
-        const auto found =
-            std::find_if(layers.begin(), layers.end(), [id](const auto *each) { return each->id() == id; });
-        return found == layers.end() ? nullptr : *found;
-    };
     DeformationLayers last;
-    for (const MeshModel *layer : layers) {
+    for (const MeshModel *layer : host::layers(document)) {
         const std::shared_ptr<const Deformation> &found = LayerState::known(*layer).deformation;
         if (!found || (last.deformedGraph && layer->id() < last.deformedGraph->id()))
             continue;
-        const MeshModel *source = layerOf(found->source), *restGraph = layerOf(found->restGraph);
+        const MeshModel *source = document.getMesh(found->source), *restGraph = document.getMesh(found->restGraph);
         if (source && restGraph)
             last = {source, restGraph, layer};
     }

@@ -207,12 +207,9 @@ LayerState &LayerState::made(const MeshDocument &document, MeshModel &layer) {
         return *its;
     States &states = madeStatesOf(document);
     // A host that closes all at once says nothing of it.
-    const std::vector<const MeshModel *> layers = host::layers(document);
     for (auto each = states.begin(); each != states.end();) {
-        const bool isThere = std::any_of(layers.begin(), layers.end(), [&each](const MeshModel *there) {
-            return there->id() == each->first && of(*there) == each->second.get();
-        });
-        each = isThere ? std::next(each) : states.erase(each);
+        const MeshModel *there = document.getMesh(each->first);
+        each = there && of(*there) == each->second.get() ? std::next(each) : states.erase(each);
     }
     const auto state = std::make_shared<LayerState>();
     CMeshO &mesh = layer.cm;

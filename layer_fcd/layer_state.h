@@ -198,9 +198,8 @@ class TidyLater {
     TidyLater(const TidyLater &) = delete;
     TidyLater &operator=(const TidyLater &) = delete;
     ~TidyLater() {
-        for (const MeshModel *each : host::layers(document))
-            if (each->id() == layer)
-                LayerState::tidy(*const_cast<MeshModel *>(each));
+        if (MeshModel *its = document.getMesh(layer))
+            LayerState::tidy(*its);
     }
 
   private:

@@ -109,11 +109,7 @@ PreparedLayers::Key PreparedLayers::keyOf(const CMeshO &mesh, const Point3m *res
 }
 
 void PreparedLayers::dropRemoved() {
-    entries.remove_if([](const Entry &entry) {
-        const std::vector<const MeshModel *> layers = host::layers(*entry.document);
-        return std::none_of(layers.begin(), layers.end(),
-                            [&](const MeshModel *each) { return each->id() == entry.layer; });
-    });
+    entries.remove_if([](const Entry &entry) { return !entry.document->getMesh(entry.layer); });
 }
 
 std::shared_ptr<Prepared> PreparedLayers::find(const Key &key) {

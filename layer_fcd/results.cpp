@@ -30,11 +30,9 @@ void showResult(MeshDocument &document, MeshModel &source, const std::vector<Mes
 
 MeshModel &sourceOf(MeshDocument &document, MeshModel &layer) {
     const std::optional<ResultState> &result = LayerState::known(layer).result;
-    if (!result || !isAsMade(layer, *result))
-        return layer;
-    for (const MeshModel *other : host::layers(document))
-        if (other->id() == result->source && other->cm.vn > 0)
-            return const_cast<MeshModel &>(*other);
+    MeshModel *source = result && isAsMade(layer, *result) ? document.getMesh(result->source) : nullptr;
+    if (source && source->cm.vn > 0)
+        return *source;
     return layer;
 }
 
