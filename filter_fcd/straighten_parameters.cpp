@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "common_parameters.h"
 
-#include <layer_fcd/straighten_texts.h>
-
 using host::Shown;
 
 void ask(Fields &fields, StraightenMeshParam &param) {

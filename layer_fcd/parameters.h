@@ -264,4 +264,10 @@ ParameterText falloffText();  ///< of DeformerParam::falloff
 ParameterText elasticText();  ///< of DeformerParam::elastic
 ParameterText rigidityText(); ///< of SolverParam::rigidity, and of FitParam's
 
+/// Those of "FCD: Straighten Mesh"; the values of \p shape stand in the order of StraightenMeshParam::Shape.
+struct StraightenTexts {
+    ParameterText middle, shape, angle, direction, towards, target, reverse, length, untwist;
+};
+StraightenTexts straightenTexts();
+
 #endif

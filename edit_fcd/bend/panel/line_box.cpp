@@ -3,8 +3,6 @@
 
 #include "edit_fcd/kit/tool_list.h"
 
-#include <layer_fcd/straighten_texts.h>
-
 #include <QFormLayout>
 #include <QHBoxLayout>
 #include <QPushButton>
