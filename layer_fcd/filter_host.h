@@ -91,14 +91,12 @@ class HostFilterPlugin : public QObject,
         return *std::next(actionList.begin(), std::distance(typeList.begin(), type));
     }
 
-    /// Writes a line to the host's log. The log pane renders HTML, hence no '<' reaches it as such.
-    void logLine(std::string line, GLLogStream::Levels level = GLLogStream::FILTER) const {
-        for (char &c : line)
-            c = c == '<' ? '[' : c == '>' ? ']' : c;
+    /// Writes a line to the host's log.
+    void logLine(const std::string &line, GLLogStream::Levels level = GLLogStream::FILTER) const {
 #ifdef FCD_MESHLAB_2020
-        const_cast<HostFilterPlugin *>(this)->Log(level, line.c_str());
+        const_cast<HostFilterPlugin *>(this)->Log(level, host::plainForLog(line).c_str());
 #else
-        log(level, line);
+        log(level, host::plainForLog(line));
 #endif
     }
 

@@ -50,10 +50,16 @@ inline void endProgress() {
 }
 #endif
 
-/// Writes a warning to the log of a document, which renders HTML.
-inline void log(MeshDocument &document, std::string line) {
-    for (char &c : line)
+/// A text for a log, which renders HTML.
+inline std::string plainForLog(std::string text) {
+    for (char &c : text)
         c = c == '<' ? '[' : c == '>' ? ']' : c;
+    return text;
+}
+
+/// Writes a warning to the log of a document.
+inline void log(MeshDocument &document, const std::string &text) {
+    const std::string line = plainForLog(text);
 #ifdef FCD_MESHLAB_2020
     document.Log.Log(GLLogStream::WARNING, line);
 #else

@@ -21,7 +21,7 @@ void LayerTool::say(const std::string &text, bool warning) {
     if (!view)
         return;
     view->Log(warning ? GLLogStream::WARNING : GLLogStream::FILTER,
-              (action->text().toStdString() + ": " + plainForLog(text)).c_str());
+              (action->text().toStdString() + ": " + host::plainForLog(text)).c_str());
     if (!warning)
         return;
     hint = QString::fromStdString(text);

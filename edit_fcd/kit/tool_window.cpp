@@ -91,9 +91,3 @@ void tracePlaces(QWidget &panel) {
                 }
         });
 }
-
-std::string plainForLog(std::string text) {
-    std::replace(text.begin(), text.end(), '<', '[');
-    std::replace(text.begin(), text.end(), '>', ']');
-    return text;
-}

@@ -33,7 +33,4 @@ QString fileToSave(GLArea &view, const QString &title, const QString &kinds, con
 /// Tells where things of a panel are, for whoever drives it by a script.
 void tracePlaces(QWidget &panel);
 
-/// A text for the log, which renders HTML.
-std::string plainForLog(std::string text);
-
 #endif
