@@ -132,8 +132,11 @@ HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList 
         const TagParam param = id == Tag            ? read<TagParam>(parameters, document)
                                : id == TagSelection ? read<TagSelectionParam>(parameters, document)
                                                     : TagParam(read<TagsFromFilesParam>(parameters, document));
-        const vcg::fcd::TagCount tags = tagLayer(document, layer, param, toLog());
-        return param.role == TagParam::AsTheyAre ? report(tags) : reportTags(layer, tags, param.target);
+        const ReturnedValues values = report(tagLayer(document, layer, param, toLog()));
+        const std::string line = param.role == TagParam::AsTheyAre ? "" : describe(layer, param.target);
+        if (!line.empty())
+            logLine(line);
+        return values;
     }
     case ClearTags: return clearTags(document, layer);
     case SaveSession:
@@ -172,14 +175,6 @@ HostFilterPlugin::ReturnedValues FilterFcd::tell(const CompensatedLayers &made) 
 HostFilterPlugin::ReturnedValues FilterFcd::report(const vcg::fcd::TagCount &tags) const {
     logLine(describe(tags) + ".");
     return valuesOf(tags);
-}
-
-HostFilterPlugin::ReturnedValues FilterFcd::reportTags(const MeshModel &layer, const vcg::fcd::TagCount &tags,
-                                                       const TagTarget &target) const {
-    const ReturnedValues values = report(tags);
-    if (const std::string line = describe(layer, target); !line.empty())
-        logLine(line);
-    return values;
 }
 
 HostFilterPlugin::ReturnedValues FilterFcd::clearTags(const MeshDocument &document, MeshModel &layer) const {

@@ -81,7 +81,6 @@ class FilterFcd : public HostFilterPlugin {
             logLine(warning, GLLogStream::WARNING);
     }
     ReturnedValues report(const vcg::fcd::TagCount &tags) const;
-    ReturnedValues reportTags(const MeshModel &layer, const vcg::fcd::TagCount &tags, const TagTarget &target) const;
     void warnOf(const vcg::fcd::PoseWay &way, bool converged, double discretisationError) const;
     Remark toLog() const {
         return [this](const std::string &line) { logLine(line); };

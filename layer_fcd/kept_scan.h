@@ -27,7 +27,9 @@ class KeptVertices {
     /// The colour of its tag.
     std::uint32_t tagColor(std::size_t i) const { return isOld(i) ? vertexOf(i).tagColor : 0; }
 
-    bool isColorOfTag(std::size_t i) const { return isOld(i) && vertexOf(i).hasColor && wasColor(i); }
+    bool isColorOfTag(std::size_t i) const {
+        return isOld(i) && vertexOf(i).hasColor && vertexOf(i).tagColor == numberOf(mesh.vert[i].cC());
+    }
     bool isQualityTag(std::size_t i) const { return areTags && isOld(i) && vertexOf(i).hasQuality(); }
     /// The colour of before, of a vertex that has the colour of a tag. A new one that has a mixture of these has what
     /// was at its place, where the layer has the shape still that it was tagged in.
@@ -41,7 +43,6 @@ class KeptVertices {
         double weight; ///< they sum to 1
     };
     const TaggedVertex &vertexOf(std::size_t i) const { return scan.vertices[scan.number[i] - 1]; }
-    bool wasColor(std::size_t i) const { return vertexOf(i).tagColor == numberOf(mesh.vert[i].cC()); }
     std::optional<Eigen::Affine3d> moveOfAll() const;
     std::vector<Near> nearTo(std::size_t i) const;
 

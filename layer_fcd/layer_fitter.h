@@ -48,7 +48,6 @@ class LayerFit {
 
     /// The first part of that. \throw as solve
     std::shared_ptr<const vcg::fcd::Fitter> prepare(const vcg::fcd::Progress &progress) const;
-    const vcg::fcd::Handles &regions() const { return handles; }
 
   private:
     const FitMeshParam param;

@@ -19,10 +19,13 @@ using vcg::fcd::ParallelFor;
 
 namespace {
 
-/// The sum of shapeTerm over the live vertices.
+/// A number for the positions of the live vertices.
 template <class PositionOf>
 std::uint64_t shapeSum(const CMeshO &mesh, const PositionOf &positionOf) {
-    return sumOfVertices(mesh, [&](std::size_t i) { return shapeTerm(i, positionOf(i)); });
+    return sumOfVertices(mesh, [&](std::size_t i) {
+        const Point3m &position = positionOf(i);
+        return XXH3_64bits_withSeed(&position[0], 3 * sizeof(Scalarm), i);
+    });
 }
 
 /// Turns the normals of a shape over that look to the other side than the faces there.
@@ -251,13 +254,8 @@ void RestShape::knowNormals() {
         state.normalsNow = normalsOf(mesh);
 }
 
-AtRest::AtRest(MeshModel &layer) : mesh(layer.cm), other(*restOf(layer)) { exchange(); }
-
-void AtRest::exchange() { exchangeShapes(mesh, other); }
-
-std::uint64_t shapeTerm(std::size_t slot, const Point3m &position) {
-    return XXH3_64bits_withSeed(&position[0], 3 * sizeof(Scalarm), slot);
-}
+AtRest::AtRest(MeshModel &layer) : mesh(layer.cm), other(*restOf(layer)) { exchangeShapes(mesh, other); }
+AtRest::~AtRest() { exchangeShapes(mesh, other); }
 
 std::uint64_t shapeOf(const CMeshO &mesh) {
     return shapeSum(mesh, [&mesh](std::size_t i) { return mesh.vert[i].cP(); });

@@ -97,18 +97,14 @@ class AtRest {
     explicit AtRest(MeshModel &layer);
     AtRest(const AtRest &) = delete;
     AtRest &operator=(const AtRest &) = delete;
-    ~AtRest() { exchange(); }
+    ~AtRest();
 
   private:
-    void exchange();
-
     CMeshO &mesh;
     Shape other;
 };
 
-/// A number for the positions of all vertices: the sum of the terms of each of them.
+/// A number for the positions of all vertices.
 std::uint64_t shapeOf(const CMeshO &mesh);
-/// What a vertex at a slot adds to it.
-std::uint64_t shapeTerm(std::size_t slot, const Point3m &position);
 
 #endif

@@ -50,8 +50,8 @@ const vcg::PointerToAttribute *expectFit(const CMeshO &mesh, const std::vector<i
     return attribute;
 }
 
-} // namespace
-
+/// The tags that \p layer has, one per slot of its vertices; all free where it has none yet. \throw Error when the
+/// quality or attribute holds other numbers than tags
 std::vector<int> presentTags(const MeshModel &layer, const TagTarget &target) {
     const CMeshO &mesh = layer.cm;
     HandleParam source;
@@ -77,6 +77,8 @@ std::vector<int> presentTags(const MeshModel &layer, const TagTarget &target) {
                    "'tag_attribute'."));
     }
 }
+
+} // namespace
 
 vcg::Color4b colorOfTag(int tag) {
     const auto color = [](double r, double g, double b) {

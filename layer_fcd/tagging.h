@@ -6,10 +6,6 @@
 
 #include <vector>
 
-/// The tags that \p layer has, one per slot of its vertices; all free where it has none yet. \throw vcg::fcd::Error
-/// when the quality or attribute holds other numbers than tags
-std::vector<int> presentTags(const MeshModel &layer, const TagTarget &target);
-
 /// The colour that shows a tag.
 vcg::Color4b colorOfTag(int tag);
 
