@@ -4,7 +4,6 @@
 #include "layer_labels.h"
 #include "line_surface.h"
 #include "new_layers.h"
-#include "results.h"
 
 #include <sstream>
 
@@ -62,9 +61,7 @@ CompensatedLayers compensateLayer(MeshDocument &document, MeshModel &layer, cons
 
     progress(0.95, "Adding layers...");
     NewLayers layers(document, layer, remark);
-    made.layers.push_back(&layers.addDeformed("compensated", position, linear, quality));
-    layers.keep(*made.layers.back(), progress.Slice(0.95, 1));
-    showLast(document, layer, made.layers);
+    layers.keepResults(layer, {&layers.addDeformed("compensated", position, linear, quality)}, progress.Slice(0.95, 1));
     made.seconds = watch.Seconds();
     return made;
 }

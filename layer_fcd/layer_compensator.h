@@ -12,7 +12,6 @@
 /// What FCD: Compensate did. Lengths are in world units.
 struct CompensatedLayers {
     vcg::fcd::CompensateReport report;
-    std::vector<MeshModel *> layers; ///< the new one
     double seconds = 0;
 };
 

@@ -9,7 +9,6 @@
 #include "motion_sources.h"
 #include "new_layers.h"
 #include "point_sources.h"
-#include "results.h"
 #include "tag_sources.h"
 #include "weight_sources.h"
 
@@ -152,8 +151,8 @@ std::shared_ptr<Prepared> preparedOf(const std::shared_ptr<const Fitter> &fitter
     return prepared;
 }
 
-std::vector<MeshModel *> addFitted(MeshDocument &document, MeshModel &layer, const FittedSurface &fitted,
-                                   const FitMeshParam &param, const Remark &remark, const Progress &progress) {
+void addFitted(MeshDocument &document, MeshModel &layer, const FittedSurface &fitted, const FitMeshParam &param,
+               const Remark &remark, const Progress &progress) {
     progress(0, "Adding layers...");
     NewLayers layers(document, layer, remark);
     std::vector<float> quality;
@@ -161,11 +160,8 @@ std::vector<MeshModel *> addFitted(MeshDocument &document, MeshModel &layer, con
         quality = fitted.distance;
     else if (param.quality == FitMeshParam::Matched)
         quality.assign(fitted.matched.begin(), fitted.matched.end());
-    std::vector<MeshModel *> added = layers.addResult(
-        "fitted", fitted.result, quality, preparedOf(param.graphLayers ? fitted.fitter : nullptr, fitted.result.tags));
-    layers.keep(*added.back(), progress);
-    showLast(document, layer, added);
-    return added;
+    const auto prepared = preparedOf(param.graphLayers ? fitted.fitter : nullptr, fitted.result.tags);
+    layers.keepResults(layer, layers.addResult("fitted", fitted.result, quality, prepared), progress);
 }
 
 void poseFitted(const MeshDocument &document, MeshModel &layer, const FittedSurface &fitted) {
@@ -184,7 +180,7 @@ FittedLayers fitLayer(MeshDocument &document, MeshModel &layer, const FitMeshPar
     const bool measured = param.quality != FitMeshParam::Input;
     static_cast<FittedSurface &>(made) =
         LayerFit(document, layer, param, remark, progress.Slice(0, 0.05)).solve(measured, progress.Slice(0.05, 0.95));
-    made.layers = addFitted(document, layer, made, param, remark, progress.Slice(0.95, 1));
+    addFitted(document, layer, made, param, remark, progress.Slice(0.95, 1));
     made.seconds = watch.Seconds();
     return made;
 }

@@ -65,7 +65,6 @@ class LayerFit {
 
 /// What FCD: Fit to Layer did.
 struct FittedLayers : FittedSurface {
-    std::vector<MeshModel *> layers; ///< that are new, the fitted one last
     double seconds = 0;
 };
 
@@ -78,11 +77,10 @@ FittedLayers fitLayer(MeshDocument &document, MeshModel &layer, const FitMeshPar
 std::shared_ptr<Prepared> preparedOf(const std::shared_ptr<const vcg::fcd::Fitter> &fitter,
                                      const vcg::fcd::TagCount &tags);
 
-/// Adds the layers of a fit. \pre \p layer has the shape that was fitted, with graph layers where these are asked for
-/// \return them, the fitted one last, which is
-/// the current one then \throw vcg::fcd::Cancelled; the document is then as it was
-std::vector<MeshModel *> addFitted(MeshDocument &document, MeshModel &layer, const FittedSurface &fitted,
-                                   const FitMeshParam &param, const Remark &remark, const vcg::fcd::Progress &progress);
+/// Adds the layers of a fit, with graph layers where these are asked for; the fitted one is the current one then.
+/// \pre \p layer has the shape that was fitted \throw vcg::fcd::Cancelled; the document is then as it was
+void addFitted(MeshDocument &document, MeshModel &layer, const FittedSurface &fitted, const FitMeshParam &param,
+               const Remark &remark, const vcg::fcd::Progress &progress);
 
 /// Gives \p layer a shape; the one that it has becomes its rest shape. \param positionAt of each vertex slot
 /// \param normalAt of each vertex slot, from that at rest, where the layer has normals of its own

@@ -3,7 +3,6 @@
 #include "layer_straightener.h"
 #include "line_sources.h"
 #include "new_layers.h"
-#include "results.h"
 
 #include <sstream>
 #include <utility>
@@ -85,10 +84,10 @@ StraightenedLayers addStraightened(MeshDocument &document, MeshModel &layer, con
     NewLayers layers(document, layer, remark);
     if (param.line.cols() > 0)
         made.line = &layers.addLine("line", param.line);
-    made.layers =
-        layers.addResult("straightened", made.result, shape.quality, param.graphLayers ? shape.prepared : nullptr);
-    layers.keep(*made.layers.back(), progress);
-    showLast(document, layer, made.layers);
+    layers.keepResults(
+        layer,
+        layers.addResult("straightened", made.result, shape.quality, param.graphLayers ? shape.prepared : nullptr),
+        progress);
     made.seconds = shape.watch.Seconds();
     return made;
 }

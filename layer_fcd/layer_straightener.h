@@ -13,14 +13,13 @@
 struct StraightenedLayers {
     vcg::fcd::DeformationResult result;
     vcg::fcd::StraightenReport report;
-    std::vector<MeshModel *> layers; ///< that are new, the straightened one last
-    MeshModel *line = nullptr;       ///< new, too: of points that were given
+    MeshModel *line = nullptr; ///< a new layer, of points that were given
     double seconds = 0;
 };
 
 /// A layer along a line, before it is a layer.
 struct StraightenedShape {
-    StraightenedLayers made; ///< without layers
+    StraightenedLayers made; ///< without layers, and time
     std::vector<float> quality;
     std::shared_ptr<const Prepared> prepared;
     vcg::fcd::Stopwatch watch;

@@ -7,7 +7,6 @@
 #include "line_surface.h"
 #include "new_layers.h"
 #include "point_sources.h"
-#include "results.h"
 #include "weight_sources.h"
 
 #include <vcg_ext/base/point_tree.h>
@@ -171,10 +170,10 @@ SymmetrizedLayers symmetrizeLayer(MeshDocument &document, MeshModel &layer, cons
     NewLayers layers(document, layer, remark);
     if (param.mirrorMissing)
         made.mirrored = addMissing(layers, view, world, made.report.plane, matched, result.position);
-    made.layers =
-        layers.addResult("symmetrized", result, quality, preparedOf(param.graphLayers ? fitter : nullptr, result.tags));
-    layers.keep(*made.layers.back(), progress.Slice(0.95, 1));
-    showLast(document, layer, made.layers);
+    layers.keepResults(
+        layer,
+        layers.addResult("symmetrized", result, quality, preparedOf(param.graphLayers ? fitter : nullptr, result.tags)),
+        progress.Slice(0.95, 1));
     made.seconds = watch.Seconds();
     return made;
 }

@@ -18,7 +18,6 @@ struct SymmetrizedLayers {
     double before = 0, after = 0;       ///< distance from its mirror image, root mean square, world units
     double diagonal = 0;                ///< world units
     std::size_t mirrored = 0;           ///< vertices of the layer with what is missing
-    std::vector<MeshModel *> layers;    ///< that are new, the symmetrized one last
     double seconds = 0;
 };
 

@@ -7,6 +7,7 @@
 #include "mesh_copy.h"
 #include "new_layers.h"
 #include "rest_shape.h"
+#include "results.h"
 
 #include <vcg/complex/allocate.h>
 
@@ -86,6 +87,12 @@ void NewLayers::keep(const MeshModel &current, const vcg::fcd::Progress &progres
     if (before)
         before();
     keepNow(current);
+}
+
+void NewLayers::keepResults(MeshModel &source, const std::vector<MeshModel *> &results,
+                            const vcg::fcd::Progress &progress) {
+    keep(*results.back(), progress);
+    showLast(document, source, results);
 }
 
 void NewLayers::keep(const std::vector<std::unique_ptr<NewLayers>> &several, const MeshModel &current,

@@ -64,6 +64,10 @@ class NewLayers {
     /// and keeps the layers; \p current becomes the current one. \throw vcg::fcd::Cancelled, and what \p before does
     void keep(const MeshModel &current, const vcg::fcd::Progress &progress, const std::function<void()> &before = {});
 
+    /// The same of what was made of \p source: the last of \p results becomes the current layer, and in the window the
+    /// one that is seen.
+    void keepResults(MeshModel &source, const std::vector<MeshModel *> &results, const vcg::fcd::Progress &progress);
+
     /// The same of several, all or none.
     static void keep(const std::vector<std::unique_ptr<NewLayers>> &several, const MeshModel &current,
                      const vcg::fcd::Progress &progress);
