@@ -44,15 +44,15 @@ std::vector<char> verticesBeside(const CMeshO &mesh, const std::vector<char> &mo
     return beside;
 }
 
-void computeNormals(CMeshO &mesh, unsigned threads) {
+void computeNormals(CMeshO &mesh) {
     if (mesh.fn > 0)
-        computeAngleNormals(mesh, threads);
+        computeAngleNormals(mesh, 0);
 }
 
-void computeBoxAndNormals(CMeshO &mesh, unsigned threads) {
+void computeBoxAndNormals(CMeshO &mesh) {
     std::mutex lock;
     mesh.bbox.SetNull();
-    ParallelFor(threads, mesh.vert.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
+    ParallelFor(0, mesh.vert.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
         vcg::Box3<Scalarm> box;
         for (std::size_t i = first; i < last; ++i)
             if (!mesh.vert[i].IsD())
@@ -60,7 +60,7 @@ void computeBoxAndNormals(CMeshO &mesh, unsigned threads) {
         const std::lock_guard<std::mutex> guard(lock);
         mesh.bbox.Add(box);
     });
-    computeNormals(mesh, threads);
+    computeNormals(mesh);
 }
 
 namespace {

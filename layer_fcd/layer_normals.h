@@ -15,10 +15,9 @@ void computeFaceNormals(CMeshO &mesh, const std::vector<char> &moving);
 std::vector<char> verticesBeside(const CMeshO &mesh, const std::vector<char> &moving);
 
 /// Normals after the coordinates changed: the same bits as MeshModel::updateBoxAndNormals gives.
-/// \param threads 0 = one a core; the work does not grow with them
-void computeNormals(CMeshO &mesh, unsigned threads = 0);
+void computeNormals(CMeshO &mesh);
 /// The same, and the bounding box.
-void computeBoxAndNormals(CMeshO &mesh, unsigned threads = 0);
+void computeBoxAndNormals(CMeshO &mesh);
 
 /// Whether more than a \p share of the vertices of faces have normals farther than \p degrees from those of the faces
 /// there, weighed by area and by angle, as programs do. Some thousand settle it, if they are six standard deviations

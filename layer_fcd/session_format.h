@@ -105,12 +105,7 @@ class Reader {
     Reader in(const char *key) const { return Reader(mapOf(map.value(QString(key)), key), file, vertices); }
     Reader in(const QCborValue &value, const char *key) const { return Reader(mapOf(value, key), file, vertices); }
 
-    bool flag(const char *key) const {
-        const QCborValue value = map.value(QString(key));
-        if (!value.isBool())
-            fail(std::string(key) + " is neither true nor false");
-        return value.toBool();
-    }
+    bool flag(const char *key) const { return checked(key, &QCborValue::isBool, "is neither true nor false").toBool(); }
     double number(const char *key) const {
         const QCborValue value = map.value(QString(key));
         if (!value.isDouble() && !value.isInteger())
@@ -130,23 +125,12 @@ class Reader {
         return int(value);
     }
     std::string text(const char *key) const {
-        const QCborValue value = map.value(QString(key));
-        if (!value.isString())
-            fail(std::string(key) + " is no text");
-        return value.toString().toStdString();
+        return checked(key, &QCborValue::isString, "is no text").toString().toStdString();
     }
     QByteArray bytes(const char *key) const {
-        const QCborValue value = map.value(QString(key));
-        if (!value.isByteArray())
-            fail(std::string(key) + " is missing");
-        return value.toByteArray();
+        return checked(key, &QCborValue::isByteArray, "is missing").toByteArray();
     }
-    QCborArray list(const char *key) const {
-        const QCborValue value = map.value(QString(key));
-        if (!value.isArray())
-            fail(std::string(key) + " is no list");
-        return value.toArray();
-    }
+    QCborArray list(const char *key) const { return checked(key, &QCborValue::isArray, "is no list").toArray(); }
 
     /// \p count values for each vertex, all finite.
     template <class T>
@@ -166,6 +150,12 @@ class Reader {
     }
 
   private:
+    QCborValue checked(const char *key, bool (QCborValue::*isSuch)() const, const char *otherwise) const {
+        const QCborValue value = map.value(QString(key));
+        if (!(value.*isSuch)())
+            fail(std::string(key) + " " + otherwise);
+        return value;
+    }
     QCborMap mapOf(const QCborValue &value, const char *key) const {
         if (!value.isMap())
             fail(std::string(key) + " is missing");
