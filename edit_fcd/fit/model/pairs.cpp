@@ -128,6 +128,31 @@ void expectWhole(const std::vector<FitPair> &pairs) {
                         "' is on one layer only. Click its point on the other one, or remove the pair.");
 }
 
+void addPair(std::vector<FitPair> &pairs, std::size_t slot) {
+    int number = int(pairs.size()) + 1;
+    const auto isTaken = [&](const std::string &name) {
+        return std::any_of(pairs.begin(), pairs.end(), [&](const FitPair &p) { return p.name == name; });
+    };
+    while (isTaken(std::to_string(number)))
+        ++number;
+    pairs.push_back({std::to_string(number), {}, {}});
+    try {
+        setSource(pairs, pairs.size() - 1, slot);
+    } catch (...) {
+        pairs.pop_back();
+        throw;
+    }
+}
+
+void setSource(std::vector<FitPair> &pairs, std::size_t pair, std::size_t slot) {
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+        if (i != pair && pairs[i].slot == slot)
+            throw Error("The pair '" + pairs[i].name +
+                        "' is at that vertex already. Drag its point elsewhere, or "
+                        "click another place.");
+    pairs[pair].slot = slot;
+}
+
 std::shared_ptr<const FitLines> loadLines(const MeshModel &layer, const Point3m *rest, const std::string &file) {
     auto lines = std::make_shared<FitLines>();
     lines->file = file;

@@ -27,6 +27,11 @@ void expectSavable(const std::vector<FitPair> &pairs);
 /// \throw vcg::fcd::Error naming a pair that lacks one of its ends
 void expectWhole(const std::vector<FitPair> &pairs);
 
+/// A pair whose place on the target is not known yet; its name is the first number that none has. \throw as setSource
+void addPair(std::vector<FitPair> &pairs, std::size_t slot);
+/// \throw vcg::fcd::Error another pair is at that vertex
+void setSource(std::vector<FitPair> &pairs, std::size_t pair, std::size_t slot);
+
 /// Curves of a file that lead a fit, and where those of the layer go with it.
 struct FitLines {
     std::string file;

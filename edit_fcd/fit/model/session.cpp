@@ -71,7 +71,7 @@ std::string FitSession::takeTold(const FitToolState &taken) {
         return "";
     change();
     setPairs(taken.pairs);
-    setOptions(taken.options);
+    now.options = taken.options;
     if (hasCurves)
         return "";
     try {
@@ -144,33 +144,6 @@ bool FitSession::redo() {
     return true;
 }
 
-void FitSession::addPair(std::size_t slot) {
-    int number = int(now.pairs.size()) + 1;
-    const auto isTaken = [&](const std::string &name) {
-        return std::any_of(now.pairs.begin(), now.pairs.end(), [&](const FitPair &p) { return p.name == name; });
-    };
-    while (isTaken(std::to_string(number)))
-        ++number;
-    now.pairs.push_back({std::to_string(number), {}, {}});
-    try {
-        setSource(now.pairs.size() - 1, slot);
-    } catch (...) {
-        now.pairs.pop_back();
-        throw;
-    }
-}
-
-void FitSession::setSource(std::size_t pair, std::size_t slot) {
-    for (std::size_t i = 0; i < now.pairs.size(); ++i)
-        if (i != pair && now.pairs[i].slot == slot)
-            throw Error("The pair '" + now.pairs[i].name +
-                        "' is at that vertex already. Drag its point elsewhere, or "
-                        "click another place.");
-    now.pairs[pair].slot = slot;
-}
-
-void FitSession::setTarget(std::size_t pair, const Eigen::Vector3d &place) { now.pairs[pair].place = place; }
-
 void FitSession::setPairs(std::vector<FitPair> pairs) {
     now.pairs = std::move(pairs);
     const auto &vertices = layer.cm.vert;
@@ -178,13 +151,6 @@ void FitSession::setPairs(std::vector<FitPair> pairs) {
         if (each.slot && (*each.slot >= vertices.size() || vertices[*each.slot].IsD()))
             each.slot.reset();
 }
-
-void FitSession::rename(std::size_t pair, const std::string &name) {
-    if (!name.empty() && pair < now.pairs.size()) // it may be gone while its name is edited
-        now.pairs[pair].name = name;
-}
-
-void FitSession::remove(std::size_t pair) { now.pairs.erase(now.pairs.begin() + std::ptrdiff_t(pair)); }
 
 void FitSession::load(const QStringList &files) { now.pairs = loadPairs(layer, rest.positions().data(), files); }
 

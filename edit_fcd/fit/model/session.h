@@ -77,16 +77,9 @@ class FitSession {
     void change() { history.begin(now); }
     bool undo(); ///< \return whether there was something
     bool redo();
-    void addPair(std::size_t slot);
-    /// \throw vcg::fcd::Error another pair is at that vertex
-    void setSource(std::size_t pair, std::size_t slot);
-    void setTarget(std::size_t pair, const Eigen::Vector3d &place);
-    void rename(std::size_t pair, const std::string &name);
-    void remove(std::size_t pair);
+    FitState &edit() { return now; } ///< the pairs with the functions of pairs.h; curves and paint with those below
     /// An end at a vertex that is not there is left out.
     void setPairs(std::vector<FitPair> pairs);
-    void setOptions(const FitOptions &options) { now.options = options; }
-    void setShape(FitShape shape) { now.shape = shape; }
     /// \throw vcg::fcd::Error
     void load(const QStringList &files);
     void save(const QString &file) const;

@@ -68,7 +68,7 @@ void FitTool::release(QMouseEvent *event) {
         isStepWanted = false;
         display->rest();
         if (isWhole && session->state().shape == FitShape::Rest)
-            session->setShape(FitShape::Landmarks);
+            session->edit().shape = FitShape::Landmarks;
         if (isWhole)
             reshape(true);
     }
@@ -86,14 +86,13 @@ bool FitTool::place(bool isTarget) {
     }
     if (!dragged)
         session->change();
-    if (dragged && isTarget)
-        session->setTarget(dragged->pair, hit->place);
+    std::vector<FitPair> &pairs = session->edit().pairs;
+    if (isTarget)
+        pairs[dragged ? dragged->pair : pairs.size() - 1].place = hit->place;
     else if (dragged)
-        session->setSource(dragged->pair, hit->slot);
-    else if (isTarget)
-        session->setTarget(session->state().pairs.size() - 1, hit->place);
+        setSource(pairs, dragged->pair, hit->slot);
     else
-        session->addPair(hit->slot);
+        addPair(pairs, hit->slot);
     return true;
 }
 
@@ -107,7 +106,7 @@ void FitTool::click() {
     selected = int(session->state().pairs.size()) - 1;
     if (isTarget) {
         if (session->state().shape == FitShape::Rest)
-            session->setShape(FitShape::Landmarks);
+            session->edit().shape = FitShape::Landmarks;
         reshape(true);
     }
     showLayers();
@@ -181,7 +180,7 @@ void FitTool::onOptions() {
     if (!isReady())
         return;
     session->change();
-    session->setOptions(panel->options());
+    session->edit().options = panel->options();
     showColors();
     if (session->state().shape != FitShape::Rest)
         optionsTimer.start(150);
@@ -220,7 +219,7 @@ void FitTool::act(int action) {
             break;
         session->change();
         if (action == FitAction::Remove)
-            session->remove(std::size_t(selected));
+            session->edit().pairs.erase(session->edit().pairs.begin() + selected);
         else
             session->setPairs({});
         selected = -1;
@@ -251,14 +250,14 @@ void FitTool::cancelPull() {
     stopWork();
     if (session->state().shape == FitShape::Pulled && !session->isAsLeft() &&
         !(target() && session->pulled(*target()))) {
-        session->setShape(FitShape::Landmarks);
+        session->edit().shape = FitShape::Landmarks;
         reshape(true);
     }
 }
 
 void FitTool::setShape(FitShape shape) {
     session->change();
-    session->setShape(shape);
+    session->edit().shape = shape;
     if (shape != FitShape::Rest && panel->seen() == FitPanel::InTurn)
         setSeen(FitPanel::Both);
     reshape(true);
@@ -285,7 +284,7 @@ void FitTool::chooseFiles(bool load) {
         session->load(files);
         selected = -1;
         if (session->state().shape == FitShape::Rest)
-            session->setShape(FitShape::Landmarks);
+            session->edit().shape = FitShape::Landmarks;
         reshape(true);
         showLayers();
     } else {

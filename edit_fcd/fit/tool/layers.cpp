@@ -219,7 +219,9 @@ void FitTool::makePanel() {
         if (!isReady())
             return;
         session->change();
-        session->rename(std::size_t(row), name.trimmed().toStdString());
+        std::vector<FitPair> &pairs = session->edit().pairs;
+        if (const std::string given = name.trimmed().toStdString(); !given.empty() && row < int(pairs.size()))
+            pairs[std::size_t(row)].name = given; // it may be gone while its name is edited
     });
     when(panel.data(), &FitPanel::pairRemoved, [this](int row) {
         selected = row;
