@@ -232,11 +232,9 @@ void FitSession::follow(bool full) {
     }
     vcg::fcd::FitReport report;
     const vcg::fcd::Deformer::Pose pose = followFitter->Follow(given, report);
-    Prepared prepared;
-    prepared.deformer = std::shared_ptr<const vcg::fcd::Deformer>(followFitter, &followFitter->Surface());
     rest.leave();
     shownPull.reset();
-    writeMoving(layer.cm, rest.positions().data(), rest.normals().data(), prepared, pose);
+    writeMoving(layer.cm, rest.positions().data(), rest.normals().data(), *preparedOf(followFitter, {}), pose);
     know(FitShape::Landmarks, full);
 }
 
