@@ -883,7 +883,8 @@ def test_a_pose_is_as_it_was_kept_when_its_point_is_turned_later(window, tmp_pat
     assert np.linalg.norm(shown - pulled, axis=1).max() < 0.2 * np.linalg.norm(pulled - points, axis=1).max()
 
 
-def test_a_pose_is_as_it_was_kept_when_another_point_is_made_later(window, tmp_path):
+@pytest.mark.parametrize("is_marked", [False, True], ids=["pulled", "marked"])
+def test_a_pose_is_as_it_was_kept_when_another_handle_is_made_later(window, tmp_path, is_marked):
     """On what goes along with its own one."""
     w, points = tip_of_a_limb(window, tmp_path)
     w.do("mousemove", X + 75, Y)
@@ -894,6 +895,11 @@ def test_a_pose_is_as_it_was_kept_when_another_point_is_made_later(window, tmp_p
     keep_pose(w, "up")
     at = turned[np.argmin(np.linalg.norm(points - [0.72, 0, 0.08], axis=1))] # seen from z
     place = X + round(250 * at[0]), Y - round(250 * at[1])
+    if is_marked:
+        w.do("mousemove", *place) # the keys are the view's
+        w.key("v", "shift+h")
+        w.drag((place[0] - 15, place[1] - 35), (place[0] + 15, place[1] + 35))
+        w.key("m")
     w.drag(place, (place[0], place[1] + 50))
     pulled = load(w.save("pulled.ply"))[0]
     assert np.linalg.norm(pulled - turned, axis=1).max() > 0.15
