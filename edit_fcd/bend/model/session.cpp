@@ -280,7 +280,7 @@ int BendSession::limbAt(std::size_t slot, double usual) {
         return found;
     const std::optional<std::size_t> root = newLimb(slot, usual);
     if (!root)
-        throw Error("There is no limb here that could be turned: G pulls this place, and R turns it.");
+        return 0;
     const int tag = addPoint(*root, usual);
     makeGrip(tag);
     return tag;
