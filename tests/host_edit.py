@@ -196,12 +196,15 @@ class Window:
         self.do("mousemove", *MIDDLE)
         self.key("alt+e", *["Down"] * (2 if name == "FCD: Fit" and not is_on else 1), "Return")
 
-    def start_tool(self, name="FCD: Bend"):
+    def start_tool(self, name="FCD: Bend", mode="m"):
+        """Of FCD: Bend, in a mode, by its key: most tests pull, on limbs, too; None: in that in which it begins."""
         before, places = self.text().count(f"Started Mode {name}"), self.text().count("trace: place:")
         self.toggle_tool(name)
         self.wait(f"Started Mode {name}", before + 1)
         self.wait("trace: place:", places + 1) # where its buttons are, which it says when they are there
         self.do("mousemove", *MIDDLE)
+        if name == "FCD: Bend" and mode:
+            self.key(mode)
 
     def save(self, name, by_menu=False):
         path = self.folder / name

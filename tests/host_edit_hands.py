@@ -883,7 +883,8 @@ def test_a_pose_is_as_it_was_kept_when_its_point_is_turned_later(window, tmp_pat
     assert np.linalg.norm(shown - pulled, axis=1).max() < 0.2 * np.linalg.norm(pulled - points, axis=1).max()
 
 
-def test_a_pose_is_as_it_was_kept_when_another_point_is_made_later(window, tmp_path):
+@pytest.mark.parametrize("is_marked", [False, True], ids=["pulled", "marked"])
+def test_a_pose_is_as_it_was_kept_when_another_handle_is_made_later(window, tmp_path, is_marked):
     """On what goes along with its own one."""
     w, points = tip_of_a_limb(window, tmp_path)
     w.do("mousemove", X + 75, Y)
@@ -894,6 +895,11 @@ def test_a_pose_is_as_it_was_kept_when_another_point_is_made_later(window, tmp_p
     keep_pose(w, "up")
     at = turned[np.argmin(np.linalg.norm(points - [0.72, 0, 0.08], axis=1))] # seen from z
     place = X + round(250 * at[0]), Y - round(250 * at[1])
+    if is_marked:
+        w.do("mousemove", *place) # the keys are the view's
+        w.key("v", "shift+h")
+        w.drag((place[0] - 15, place[1] - 35), (place[0] + 15, place[1] + 35))
+        w.key("m")
     w.drag(place, (place[0], place[1] + 50))
     pulled = load(w.save("pulled.ply"))[0]
     assert np.linalg.norm(pulled - turned, axis=1).max() > 0.15
@@ -1018,13 +1024,26 @@ def test_what_would_move_is_seen_before(window, tmp_path, rings, columns):
     assert np.array_equal(load(w.save("as_it_was.ply"))[0], points)
 
 
-def open_figure(window, tmp_path):
+def folded(rest, now, faces):
+    """How many edges there are at which a surface that was nearly flat is folded back: normals of the faces beside it by more than 90 degrees."""
+    def normals(p):
+        n = np.cross(p[faces[:, 1]] - p[faces[:, 0]], p[faces[:, 2]] - p[faces[:, 0]])
+        return n / np.maximum(np.linalg.norm(n, axis=1), 1e-30)[:, None]
+    edges = np.sort(np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    order = np.lexsort(edges.T)
+    same = np.flatnonzero((edges[order][1:] == edges[order][:-1]).all(1))
+    one, other = order[same] % len(faces), order[same + 1] % len(faces)
+    cosine = lambda p: np.einsum("ij,ij->i", normals(p)[one], normals(p)[other])
+    return np.count_nonzero((cosine(rest) > 0.5) & (cosine(now) < 0))
+
+
+def open_figure(window, tmp_path, mode="m"):
     """A tube of which the half of x < 0 is three times as thick: a body with a limb. The window in the tool, points, faces, which are the body."""
     points, faces = tube_of(np.linspace(-1, 1, 200), 32, 0.08)
     body = points[:, 0] < 0
     points[:, 1:] *= np.clip(np.where(points[:, 0] < 0.05, 3 - 40 * np.maximum(points[:, 0], 0), 1), 1, 3)[:, None]
     w = window(write_ply(tmp_path / "figure.ply", points.astype(np.float32), faces))
-    w.start_tool()
+    w.start_tool(mode=mode)
     return w, points, faces, body
 
 
@@ -1068,11 +1087,11 @@ def test_a_limb_follows_the_mouse(window, tmp_path):
 
 
 def test_a_limb_is_turned_by_a_drag(window, tmp_path):
-    """In the mode Turn limb, by its button or its key: as after J. What would turn is tinted before; Pull pulls the place alone."""
-    w, points, faces, body = open_figure(window, tmp_path)
+    """In the mode that the tool begins in, Drag, as after J. What would turn is tinted before. Elsewhere, and in the mode Pull, by its button or
+    its key, a drag pulls the place alone; so does G during a drag."""
+    w, points, faces, body = open_figure(window, tmp_path, mode=None)
     said = lambda: w.text().rpartition("trace: says: ")[2]
     foreseen = lambda: [int(found) for found in re.findall(r"trace: foreseen: \d+ vertices, (\d+) move", w.text())]
-    w.click(w.place("mode1"))
     for i in range(40): # until it is shown: the surface is read meanwhile
         w.do("mousemove", X + 170 + i % 2, Y)
         if foreseen():
@@ -1096,20 +1115,83 @@ def test_a_limb_is_turned_by_a_drag(window, tmp_path):
     assert np.abs(back[at, :2] - turned[at, :2] - np.array([20, -16]) / 285).max() < 0.02
     assert turned_by(points[hand], back[hand]) < turned_by(points[hand], turned[hand]) - 10
     w.key("ctrl+z")
-    w.drag((X - 180, Y), (X - 180, Y - 30))
-    w.wait("There is no limb here that could be turned")
-    w.key("m")
+    w.do("mousemove", X - 180, Y)
+    assert not said().startswith("Drag this: its limb")
+    w.press_and_move((X - 180, Y), (X - 180, Y - 30)) # the body is no limb
+    assert said().startswith("Handle 3: move by")
+    w.key("Escape")
+    w.do("mouseup", 1)
+    w.press_and_move(place, (place[0] - 20, place[1] - 30))
+    assert said().startswith("Handle 2: turn the limb by")
+    w.key("g")
+    assert said().startswith("Handle 3: move by")
+    w.key("Escape")
+    w.do("mouseup", 1)
+    w.click(w.place("mode1"))
     w.drag(place, (place[0] - 20, place[1] - 30))
     assert said().startswith("Drag")
     w.shot("pulled")
     w.key("ctrl+z")
     assert np.array_equal(load(w.save("undone.ply"))[0], turned)
-    w.key("shift+j")
+    w.key("d")
     w.do("mousemove", *place)
     assert said().startswith("Drag this: its limb turns")
     w.drag(place, (X + 180, Y)) # back, by the same handle
     assert w.text().count("Handle 3: turn the limb") == 0
     assert np.abs((load(w.save("back.ply"))[0] - points)[hand].mean(0)[:2]).max() < 0.05
+
+
+def test_a_far_drag_of_a_limb_folds_nothing(window, tmp_path):
+    """Sideways by more than it is long, to its joint, where it turns to the eye, and away from it: by a press and a drag, without a key."""
+    w, points, faces, body = open_figure(window, tmp_path, mode=None)
+    for way in ((0, -280), (-150, -10), (80, 0)):
+        w.drag((X + 180, Y), (X + 180 + way[0], Y + way[1]))
+        w.shot(f"dragged{way[0]}_{way[1]}")
+        now = load(w.save(f"dragged{way[0]}_{way[1]}.ply"))[0]
+        assert np.abs(now[body] - points[body]).max() < 0.05
+        assert most_stretched(points, now, faces) < 3 and folded(points, now, faces) <= 2 # of 19 thousand, where it turns by 90 degrees
+        w.key("ctrl+z")
+        assert np.array_equal(load(w.save(f"undone{way[0]}_{way[1]}.ply"))[0], np.float32(points)) # in one step
+    w.key("m")
+    w.drag((X + 180, Y), (X + 30, Y - 10))
+    w.shot("pulled")
+    assert folded(points, load(w.save("pulled.ply"))[0], faces) > 20 # which is why it turns
+
+
+def test_a_limb_of_two_joints_bends_between(window, tmp_path):
+    """An arm whose shoulder and elbow were turned: a drag of its hand towards the shoulder bends the elbow and turns the shoulder, the hand follows
+    the mouse, and all of it is one step; while the shoulder is locked, the forearm turns alone."""
+    w, points, faces, body = open_figure(window, tmp_path, mode=None)
+    said = lambda: w.text().rpartition("trace: says: ")[2]
+    place = lambda now, at: (X + round(285 * now[at, 0]), Y - round(285 * now[at, 1]))
+    hand = np.argmin(np.linalg.norm(points - [0.9, 0, 0.08], axis=1)) # at the side that is seen
+    w.drag((X + 250, Y), (X + 248, Y - 30))
+    turned = load(w.save("turned.ply"))[0]
+    w.do("mousemove", *place(turned, np.argmin(np.linalg.norm(points - [0.6, 0, 0.08], axis=1))))
+    w.key("r", "z", "3", "0", "Return")
+    bent = load(w.save("bent.ply"))[0]
+    begin = place(bent, hand)
+    w.do("mousemove", *begin)
+    w.shot("foreseen")
+    goal = begin[0] - 60, begin[1] + 20
+    w.press_and_move(begin, goal)
+    assert ", its middle joint by" in said()
+    w.do("mouseup", 1)
+    w.shot("chain")
+    chain = load(w.save("chain.ply"))[0]
+    assert np.abs(chain[hand, :2] - bent[hand, :2] - np.array([-60, -20]) / 285).max() < 0.03
+    upper = np.abs(points[:, 0] - 0.35) < 0.05
+    assert turned_by(bent[upper], chain[upper]) > 5 and np.abs(chain[body] - points[body]).max() < 0.03
+    assert most_stretched(points, chain, faces) < 3 and folded(points, chain, faces) == 0
+    w.key("ctrl+z")
+    assert np.array_equal(load(w.save("undone.ply"))[0], bent)
+    x, y, _, _ = w.box("handles")
+    w.click((x + 104 + 38 + 12, y + 35)) # locks the shoulder
+    w.press_and_move(begin, goal)
+    assert "turn the limb by" in said() and "middle joint" not in said()
+    w.do("mouseup", 1)
+    alone = load(w.save("alone.ply"))[0]
+    assert turned_by(bent[upper], alone[upper]) < 0.4 * turned_by(bent[upper], chain[upper]) # it bends near there
 
 
 def test_a_stroke_along_a_limb_gives_the_joint(window, tmp_path):

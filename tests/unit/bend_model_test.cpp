@@ -224,7 +224,11 @@ TEST(BendModel, ALimbBeginsWhereItGetsThicker) {
     const std::size_t near = bent.nearest({0.2, 0, 0.08});
     EXPECT_EQ(bent.reach.rootOfLimb(near, usual, 0.01), near) << "it begins there";
     EXPECT_FALSE(bent.reach.rootOfLimb(bent.nearest({-0.5, 0, 0.24}), usual, 0.01)) << "the body is no limb";
-    EXPECT_FALSE(bent.reach.rootOfLimb(bent.nearest({1, 0, 0}), usual, 0.01)) << "beyond its tip nothing is";
+    for (const double x : {0.9, 1.0}) { // near its end, where nothing is beyond
+        const auto root = bent.reach.rootOfLimb(bent.nearest({x, 0, 0.08}), usual, 0.01);
+        ASSERT_TRUE(root) << x;
+        EXPECT_NEAR(bent.position[*root][0], 0.2, 0.1) << x;
+    }
 }
 
 TEST(BendModel, AStrokeGivesTheJointAndWhatLiesBeyond) {
@@ -327,6 +331,26 @@ TEST(BendModel, SmallPartsGoWithWhatTheyLieOn) {
                       carrier = bent.reach.carrierOf(nail, usualGap(bent.model.ground.diagonal));
     EXPECT_LT(carrier, limb.position.size()) << "is pulled in the nail's place";
     EXPECT_NEAR(bent.position[carrier][0], 0.5, 0.1);
+}
+
+TEST(BendModel, ALimbOfTwoJointsIsAChainUnlessTheFirstIsLocked) {
+    Bent bent(Limb());
+    bent.addPoint(2, {0.35, 0.08, 0}, radius, true);
+    const Eigen::Vector3d hand(0.95, 0.08, 0);
+    EXPECT_EQ(jointBefore(bent.model, 2, hand), 0) << "it is the only one";
+    bent.addPoint(3, {0.65, 0.08, 0}, radius, true);
+    EXPECT_TRUE(turnsLimb(bent.model, 2) && turnsLimb(bent.model, 3));
+    EXPECT_EQ(jointBefore(bent.model, 3, hand), 2);
+    EXPECT_EQ(jointBefore(bent.model, 2, hand), 0);
+    EXPECT_EQ(jointBefore(bent.model, 3, {0.5, 0.08, 0}), 0) << "too near to be a bone";
+    BendHandle held;
+    held.isLocked = true;
+    setHandle(bent.model.state, 2, held);
+    EXPECT_EQ(jointBefore(bent.model, 3, hand), 0);
+    bent.addPoint(2, {0.35, 0.08, 0}, radius, false);
+    EXPECT_FALSE(turnsLimb(bent.model, 2)) << "it was pulled";
+    setHandle(bent.model.state, 2, {});
+    EXPECT_EQ(jointBefore(bent.model, 3, hand), 0);
 }
 
 TEST(BendModel, WhatLiesBeyondGoesAlongUnlessItIsLocked) {
@@ -654,21 +678,126 @@ TEST(BendDrag, ALimbFollowsTheMouse) {
         EXPECT_LT((placeOf(tag, drag.held) - Eigen::Vector3d(-0.5, 0.5, 0)).norm(), 1e-4) << tag;
     EXPECT_LT((placeOf(2, drag.pivot) - drag.pivot).norm(), 1e-4) << "it keeps its length";
     EXPECT_EQ(drag.steps(view).size(), 1U);
-    to(-0.5, 0.2); // nearer to the joint: it points there, and is not squeezed
+    to(-0.5, 0.3); // nearer to the joint: it points there, and is not squeezed
     EXPECT_LT((placeOf(2, drag.held) - Eigen::Vector3d(-0.5, 0.5, 0)).norm(), 1e-4);
-    to(-0.5, 0.8); // farther than it reaches
-    EXPECT_LT((placeOf(2, drag.held) - Eigen::Vector3d(-0.5, 0.8, 0)).norm(), 1e-4);
-    EXPECT_EQ(drag.steps(view).size(), 2U);
+    to(-0.5, 0.8); // farther than it reaches: it is not stretched
+    EXPECT_LT((placeOf(2, drag.held) - Eigen::Vector3d(-0.5, 0.5, 0)).norm(), 1e-4);
+    EXPECT_EQ(drag.steps(view).size(), 1U);
     drag.typed = "30";
     drag.axis = 1;
     EXPECT_EQ(WriteMotionText({{2, drag.motions(view).at(2)}}), "2: rotate 0 1 0 30 about -0.5 0 0");
     drag.typed.clear();
     drag.axis = -1;
-    drag.held = {-0.2, 0, -0.4}; // in the view's depth: it turns out of that before it gets longer
+    drag = BendDrag();
+    drag.tag = 2;
+    drag.kind = BendDrag::Limb;
+    drag.from = drag.last = {50, 50, 0.5};
+    drag.pivot = {-0.5, 0, 0};
+    drag.held = {-0.2, 0, -0.4}; // in the view's depth: it turns out of that
     to(0.2, 0);
     const Eigen::Vector3d now = placeOf(2, drag.held);
     EXPECT_NEAR(now[0], 0, 1e-4);
     EXPECT_NEAR(std::abs(now[2]), 0, 1e-3);
+    drag.snap = true;
+    const double degrees = drag.step(view)->degrees;
+    EXPECT_EQ(degrees, 5 * std::round(degrees / 5)) << "in steps";
+}
+
+namespace {
+
+/// A drag of a limb, seen from z with 1000 pixels a unit, whose mouse begins on what is held.
+BendDrag LimbDrag(const Eigen::Vector3d &held, const Eigen::Vector3d &joint,
+                  const std::optional<Eigen::Vector3d> &before) {
+    BendDrag drag;
+    drag.tag = 2;
+    drag.kind = BendDrag::Limb;
+    drag.isAbout = true;
+    drag.pivot = joint;
+    drag.held = held;
+    drag.from = drag.last = {1000 + 1000 * held[0], 1000 + 1000 * held[1], 0.5};
+    if (before)
+        drag.before = BendDrag::Before{*before, {{3, {}}, {4, {MotionStep::Translate({0, 0, 1})}}}};
+    return drag;
+}
+
+Camera FromZ() {
+    Camera view;
+    view.width = view.height = 2000;
+    return view;
+}
+
+Eigen::Affine3d MotionOf(const BendDrag &drag, int tag) {
+    return Eigen::Affine3d(ToMotion(drag.motions(FromZ()).at(tag), {0.3, 0.2, 0.1}).matrix);
+}
+
+} // namespace
+
+TEST(BendDrag, ALimbDoesNotJump) {
+    // However near to the joint the mouse passes, in a limb of one piece and in one of two bones, bent or straight.
+    const Eigen::Vector3d joint(-0.4, 0, 0), held(0.4, 0.03, 0.05);
+    const auto before = [](double x, double y) { return std::optional(Eigen::Vector3d(x, y, 0)); };
+    for (const auto &[middle, root] : {std::pair{joint, before(0, 0)},
+                                       {Eigen::Vector3d(0, 0.2, 0.1), before(-0.4, 0)},
+                                       {Eigen::Vector3d(0.05, 0.0, -0.05), before(-0.4, 0)},
+                                       {Eigen::Vector3d(0, 0.015, 0.025), before(-0.4, -0.03)},
+                                       {Eigen::Vector3d(0.1, 0.5, 0.2), before(0.3, -0.1)}}) {
+        const bool isPiece = middle == joint;
+        for (const double aside : {0.0, 0.002, 0.05, 0.2}) {
+            BendDrag drag = LimbDrag(held, middle, isPiece ? std::nullopt : root);
+            const Eigen::Vector3d goal(-1.2, aside, 0), way = 1000 * (goal - Eigen::Vector3d(held[0], held[1], 0));
+            const int pixels = int(way.norm());
+            Eigen::Affine3d last = MotionOf(drag, 2);
+            EXPECT_TRUE(last.isApprox(Eigen::Affine3d::Identity())) << "it begins where it is";
+            double most = 0;
+            for (int i = 1; i <= pixels; ++i) {
+                drag.moveTo(FromZ(), drag.from + double(i) / pixels * way);
+                const Eigen::Affine3d now = MotionOf(drag, 2);
+                most = std::max(most, (now * held - last * held).norm());
+                most = std::max(most, 0.1 * (now.linear() - last.linear()).norm());
+                last = now;
+            }
+            // A pixel is 0.001. Where it is at its full length, what bends, or is in the depth, goes as the root of
+            // that.
+            EXPECT_LT(most, 0.05) << "aside " << aside;
+            BendDrag fast = LimbDrag(held, middle, isPiece ? std::nullopt : root);
+            fast.moveTo(FromZ(), drag.from + way);
+            EXPECT_LT((MotionOf(fast, 2) * held - last * held).norm(), 0.02) << "however few events tell of the way";
+            drag.moveTo(FromZ(), drag.from);
+            EXPECT_LT((MotionOf(drag, 2).matrix() - Eigen::Matrix4d::Identity()).norm(), 0.02) << "the way back";
+        }
+    }
+}
+
+TEST(BendDrag, ALimbOfTwoJointsIsAChain) {
+    const Eigen::Vector3d root(-0.4, 0, 0), elbow(0, 0.2, 0.1), held(0.4, 0, 0);
+    BendDrag drag = LimbDrag(held, elbow, root);
+    drag.carried[5] = {};
+    const auto to = [&](const Eigen::Vector3d &by) {
+        drag.moveTo(FromZ(), drag.from + 1000 * by);
+        return Eigen::Vector3d(MotionOf(drag, 2) * held);
+    };
+    for (const Eigen::Vector3d &by :
+         {Eigen::Vector3d(-0.2, 0, 0), Eigen::Vector3d(-0.3, 0.2, 0), Eigen::Vector3d(-0.4, -0.4, 0)}) {
+        const Eigen::Vector3d at = to(by);
+        EXPECT_LT((at - held - by).norm(), 1e-4) << "it follows: " << by.transpose();
+        const Eigen::Vector3d joint = MotionOf(drag, 3) * elbow;
+        EXPECT_LT((joint - MotionOf(drag, 2) * elbow).norm(), 1e-4) << "the bones meet";
+        EXPECT_LT((MotionOf(drag, 3) * root - root).norm(), 1e-4);
+        EXPECT_LT((MotionOf(drag, 5).matrix() - MotionOf(drag, 2).matrix()).norm(), 1e-4) << "beyond the elbow";
+        const Eigen::Affine3d lifted = MotionOf(drag, 3) * Eigen::Translation3d(0, 0, 1);
+        EXPECT_LT((MotionOf(drag, 4).matrix() - lifted.matrix()).norm(), 1e-4) << "before it";
+        EXPECT_GT(joint[1], 0.5 * at[1]) << "the elbow is on the side where it was";
+    }
+    EXPECT_NE(drag.text(FromZ()).find(", its middle joint by "), std::string::npos);
+    to({-0.2, 0, 0});
+    EXPECT_NEAR((MotionOf(drag, 3) * elbow)[2] / (MotionOf(drag, 3) * elbow)[1], 0.5, 1e-3) << "it bends in its plane";
+    const double reach = (elbow - root).norm() + (held - elbow).norm();
+    EXPECT_NEAR((to({0.8, 0.3, 0}) - root).norm(), reach, 1e-4) << "it is straight, and no longer";
+    EXPECT_GT((to({-0.8, 0.0, 0}) - root).norm(), 0.2 * reach) << "no more bent than an elbow";
+    drag.typed = "30"; // that is the last joint's
+    drag.axis = 2;
+    EXPECT_EQ(WriteMotionText({{2, drag.motions(FromZ()).at(2)}, {3, drag.motions(FromZ()).at(3)}}),
+              "2: rotate 0 0 1 30 about 0 0.2 0.1");
 }
 
 TEST(FrameScale, IsWhereFramesAndMarksAre) {

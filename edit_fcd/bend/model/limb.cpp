@@ -23,9 +23,19 @@ const int binsOfThickness = 2; // so many cross-sections of a limb, each as long
 
 std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual, double hair) {
     wait();
-    const vcg::fcd::Index own = surface->nodeOf[slot];
-    if (own < 0)
+    if (surface->nodeOf[slot] < 0)
         return {};
+    if (const auto root = rootBefore(slot, usual, hair))
+        return root;
+    // Near its end nothing lies beyond; but the place may lie beyond what is that far away.
+    const std::size_t before = slotOf(nodesWithin({slot}, usual).back());
+    const bool isBeyond = whole({before}, radiusAt(before, usual), hair)->shareOf(slot) == 1;
+    return isBeyond ? rootBefore(before, usual, hair) : std::nullopt;
+}
+
+/// The same, where something of the limb lies beyond the vertex.
+std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double usual, double hair) {
+    const vcg::fcd::Index own = surface->nodeOf[slot];
     const double radius = radiusAt(slot, usual);
     const auto grip = whole({slot}, radius, hair);
     if (!grip->joint)

@@ -122,6 +122,38 @@ std::vector<int> carriedBy(const BendModel &model, int tag) {
 
 bool isKeptApart(const BendModel &model, int tag) { return model.influence.apart.count(rankOf(model.state, tag)) > 0; }
 
+bool turnsLimb(const BendModel &model, int tag) { return jointOf(model, tag).has_value(); }
+
+namespace {
+
+// Of the bone before it: what is beyond an elbow or a knee is about as long as that; a finger, or a foot, is shorter,
+// and turns alone.
+const double shortestBone = 0.4;
+
+} // namespace
+
+int jointBefore(const BendModel &model, int tag, const Eigen::Vector3d &held) {
+    int found = 0;
+    std::size_t least = 0;
+    if (!turnsLimb(model, tag))
+        return found;
+    for (const auto &[other, extent] : model.influence.extents) {
+        const std::vector<int> with = carriedBy(model, other);
+        if (other == tag || !turnsLimb(model, other) || handleOf(model.state, other).isLocked ||
+            std::find(with.begin(), with.end(), tag) == with.end())
+            continue;
+        if (!found || extent->beyond.size() < least) {
+            found = other;
+            least = extent->beyond.size();
+        }
+    }
+    if (!found)
+        return found;
+    const Eigen::Vector3d middle = pivotOf(model, tag);
+    const double first = (middle - pivotOf(model, found)).norm(), second = (held - middle).norm();
+    return second > shortestBone * first && first > shortestBone * second ? found : 0;
+}
+
 bool isAlong(const BendModel &model, std::size_t slot) { return isAlong(model.state, model.influence, slot); }
 
 bool canBecomePoint(const BendModel &model, std::size_t slot) {

@@ -45,6 +45,11 @@ bool isTwin(const BendModel &model, std::size_t slot, std::size_t other);
 std::vector<int> carriedBy(const BendModel &model, int tag);
 /// Whether a handle bends less than its radius, since others have bent what is beside it: until its radius is set.
 bool isKeptApart(const BendModel &model, int tag);
+/// Whether a handle turns a limb about its joint.
+bool turnsLimb(const BendModel &model, int tag);
+/// The handle of the joint before that of another one, with which a limb is a chain of two bones: the nearest one that
+/// takes it along, about as far from it as what is dragged; 0: none. \param held what is dragged, in the pose
+int jointBefore(const BendModel &model, int tag, const Eigen::Vector3d &held);
 bool isAlong(const BendModel &model, std::size_t slot); ///< as isAlong() of its state
 /// Whether a point can be made of a vertex.
 bool canBecomePoint(const BendModel &model, std::size_t slot);

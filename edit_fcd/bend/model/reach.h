@@ -94,6 +94,7 @@ class BendReach {
 
   private:
     void wait();
+    std::optional<std::size_t> rootBefore(std::size_t slot, double usual, double hair);
     void take(std::unique_ptr<vcg::fcd::SurfaceGraph> read);
     struct Pieces {
         std::vector<int> of;     ///< each node: a number from 0; negative: it is of none

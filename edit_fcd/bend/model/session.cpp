@@ -180,36 +180,6 @@ void BendSession::cancel() {
     takeState();
 }
 
-void BendSession::mark(const std::vector<std::size_t> &vertices, int tag) {
-    if (!marking)
-        marking = state().marks ? std::make_shared<BendTags>(*state().marks)
-                                : std::make_shared<BendTags>(layer.cm.vert.size(), 1);
-    for (std::size_t i : vertices)
-        (*marking)[i] = tag;
-    marked.insert(marked.end(), vertices.begin(), vertices.end());
-}
-
-void BendSession::endMarks(double rim) {
-    if (!marking)
-        return;
-    const std::set<int> added = takeMarks(data.state, *marking, marked, rim, data.influence.center);
-    marking.reset();
-    marked.clear();
-    changeTags();
-    for (const int tag : added)
-        keepPlace(tag);
-    writeMarks();
-}
-
-void BendSession::clearMarks() {
-    data.state.marks.reset();
-    data.state.rims.reset();
-    data.state.points.clear();
-    motionByHand(data.state).clear();
-    updateTags();
-    writeMarks();
-}
-
 int BendSession::addPoint(std::size_t slot, double usual) {
     if (const std::size_t carrier = reach.carrierOf(slot, usualGap(rest.diagonal())); canBecomePoint(data, carrier))
         slot = carrier;
@@ -310,7 +280,7 @@ int BendSession::limbAt(std::size_t slot, double usual) {
         return found;
     const std::optional<std::size_t> root = newLimb(slot, usual);
     if (!root)
-        throw Error("There is no limb here that could be turned: G pulls this place, and R turns it.");
+        return 0;
     const int tag = addPoint(*root, usual);
     makeGrip(tag);
     return tag;

@@ -122,8 +122,7 @@ class BendSession {
     /// joint, or its vertex. \pre the layer has the pose at 100 %
     void makeGrip(int tag);
     /// The handle that turns the limb that a vertex is on: the nearest one that was turned, on the way to what it hangs
-    /// on, or else a new one where the limb begins. \pre as addPoint() \return its tag
-    /// \throw vcg::fcd::Error there is no limb
+    /// on, or else a new one where the limb begins. \pre as addPoint() \return its tag, 0: there is no limb
     int limbAt(std::size_t slot, double usual);
     /// The handle that turns what lies beyond the begin of a stroke, about the middle of the limb there: one that holds
     /// that place, or else a new one. \pre, usual as addPoint() \return its tag \throw vcg::fcd::Error it leads along

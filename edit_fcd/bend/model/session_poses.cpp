@@ -62,7 +62,10 @@ std::vector<Point3m> BendSession::positionsIn(const vcg::fcd::Deformer::Pose &po
 void BendSession::keepPlaceInPoses(int tag, std::shared_ptr<const BendTags> tagsBefore,
                                    const std::map<vcg::fcd::Index, Eigen::Vector3d> &centerBefore) {
     const bool isNew = centerBefore.count(tag) == 0;
-    if (!state().poses || (isNew && (*tagsBefore)[state().points.at(tag).slot] == 0)) // no pose moves it then
+    bool isMoving = !isNew; // in any pose
+    for (std::size_t i = 0; !isMoving && i < tags().size(); ++i)
+        isMoving = tags()[i] == tag && (*tagsBefore)[i] != 0;
+    if (!state().poses || !isMoving)
         return;
     PoseSequence changed = *state().poses;
     const auto motions = motionsOf(posesInNumbers(), document, layer, centerBefore, rest.world());

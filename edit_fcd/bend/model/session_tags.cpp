@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/model/handles.h"
+#include "edit_fcd/bend/model/marks.h"
 #include "edit_fcd/bend/model/session.h"
 #include "edit_fcd/bend/model/steps.h"
 
@@ -73,6 +74,44 @@ std::vector<MotionStep> BendSession::stepsSeen(int tag) const {
         after.col(Eigen::Index(i)) = positionOf(held[i]) - middle;
     }
     return rigidSteps(before, after, middle, 1e-6 * rest.diagonal());
+}
+
+void BendSession::mark(const std::vector<std::size_t> &vertices, int tag) {
+    if (!marking)
+        marking = state().marks ? std::make_shared<BendTags>(*state().marks)
+                                : std::make_shared<BendTags>(layer.cm.vert.size(), 1);
+    for (std::size_t i : vertices)
+        (*marking)[i] = tag;
+    marked.insert(marked.end(), vertices.begin(), vertices.end());
+}
+
+void BendSession::endMarks(double rim) {
+    if (!marking)
+        return;
+    const std::set<int> added = takeMarks(data.state, *marking, marked, rim, data.influence.center);
+    marking.reset();
+    marked.clear();
+    const auto tagsBefore = data.influence.tags;
+    const Centers centerBefore = data.influence.center;
+    changeTags();
+    for (const int tag : added)
+        keepPlace(tag);
+    if (state().poses && !added.empty()) {
+        beginBeside();
+        for (const int tag : added)
+            keepPlaceInPoses(tag, tagsBefore, centerBefore);
+        endBeside();
+    }
+    writeMarks();
+}
+
+void BendSession::clearMarks() {
+    data.state.marks.reset();
+    data.state.rims.reset();
+    data.state.points.clear();
+    motionByHand(data.state).clear();
+    updateTags();
+    writeMarks();
 }
 
 /// Gives the layer the marks.

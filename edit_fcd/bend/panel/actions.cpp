@@ -3,8 +3,9 @@
 
 const ActionTable &bendActions() {
     static const ActionTable all = {
-        {BendAction::Pull, "M", "pull: drag a handle, or a point of the surface"},
-        {BendAction::TurnLimb, "Shift+J", "turn limbs: drag a point of one, which follows"},
+        {BendAction::Drag, "D|Shift+J",
+         "drag: a limb turns so that the place under the mouse follows; a handle, or a place elsewhere, is pulled"},
+        {BendAction::Pull, "M", "pull: drag a handle, or a point of the surface, also of a limb"},
         {BendAction::Brush, "B", "mark with the brush; its size is on the wheel"},
         {BendAction::Rectangle, "V", "mark what is in a rectangle"},
         {BendAction::Polyline, "L", "mark what is in a polygon: click its corners, Enter or a double click ends it"},

@@ -8,7 +8,7 @@
 struct BendAction {
     // clang-format off
     enum Id {
-        Pull, TurnLimb, Brush, Rectangle, Polyline, Line, RemovePoint, Fixed, Free, Handle, NextHandle, Outside, Through,
+        Drag, Pull, Brush, Rectangle, Polyline, Line, RemovePoint, Fixed, Free, Handle, NextHandle, Outside, Through,
         Move, Turn, Scale, Limb, Pivot, Undo, Redo, Reset, Cancel, End, ApplyInPlace, ApplyToNewLayer, Page
     };
     // clang-format on

@@ -76,11 +76,12 @@ void BendPanel::addModes(QBoxLayout &column) {
         row->addWidget(button);
         return button;
     };
-    const char *const names[] = {"Pull", "Turn limb", "Brush", "Box", "Lasso", "Straighten"};
+    const char *const names[] = {"Drag", "Pull", "Brush", "Box", "Lasso", "Straighten"};
     const QString tips[] = {
+        bendActions().withKeys("Drag a point of a limb: the limb turns at its joint so that the point follows. Any "
+                               "other point, and a handle, is pulled",
+                               BendAction::Drag),
         bendActions().withKeys("Drag a handle, or a point of the surface: it is moved", BendAction::Pull),
-        bendActions().withKeys("Drag a point of a limb: the limb turns at its joint so that the point follows",
-                               BendAction::TurnLimb),
         bendActions().withKeys("Mark with a brush; size on the wheel", BendAction::Brush),
         bendActions().withKeys("Mark what is in a rectangle", BendAction::Rectangle),
         bendActions().withKeys("Mark what is in a polygon: click its corners, double-click the last",
@@ -95,7 +96,7 @@ void BendPanel::addModes(QBoxLayout &column) {
         modes->addButton(button, i);
     }
     row->addStretch();
-    setMode(Pull);
+    setMode(Drag);
     column.addLayout(row);
 }
 

@@ -29,7 +29,7 @@ class BendPanel : public QDockWidget {
     Q_OBJECT
 
   public:
-    enum Mode { Pull, Limb, Brush, Rectangle, Polyline, Line };
+    enum Mode { Drag, Pull, Brush, Rectangle, Polyline, Line };
     enum Role { Fixed, Free, Handle, Outside };
     enum Command {
         MarkSelection,
@@ -48,7 +48,7 @@ class BendPanel : public QDockWidget {
 
     Mode mode() const { return Mode(modes->checkedId()); }
     void setMode(Mode mode) { modes->button(mode)->setChecked(true); }
-    bool isBending() const { return mode() == Pull || mode() == Limb; } ///< a drag moves, and marks nothing
+    bool isBending() const { return mode() == Drag || mode() == Pull; } ///< a drag moves, and marks nothing
     /// The tag that is marked with.
     int tag() const;
     void setRole(Role role, int handle);

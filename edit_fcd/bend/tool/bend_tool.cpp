@@ -64,8 +64,9 @@ void BendTool::drawOverlay() const {
                  linePreview ? linePreview->last().way : Eigen::Matrix3Xd(3, 0));
     if (const std::optional<Gizmo> shown = isBending ? gizmo() : std::nullopt)
         drawGizmo(seen, *shown, drag, lit);
-    if (isBending && !drag && foreseenPivot)
-        drawPivot(*foreseenPivot);
+    if (isBending && !drag)
+        for (const Eigen::Vector3d &place : foreseenPivots)
+            drawPivot(place);
     if (panel->mode() == BendPanel::Brush) {
         const QPointF at = going ? mouse : QPointF(view->mapFromGlobal(QCursor::pos()));
         const Eigen::Vector2d place = windowOf(*view, seen, at).head<2>();
@@ -115,25 +116,23 @@ QString BendTool::stateText() const {
         return lineText();
     const BendDrag *drag = this->drag();
     QString text;
-    const bool isLimb = panel->mode() == BendPanel::Limb;
     const std::size_t inContact = session->contact().face.size();
     if (const QString doing = going ? going->text() : QString(); !doing.isEmpty())
         text = doing;
     else if (!panel->isBending())
         text = markingText();
-    else if (session->model().influence.handles().empty() && !isLimb)
+    else if (session->model().influence.handles().empty() && !isLimbForeseen)
         text = session->state().marks ? "Mark a handle (red), then drag it."
                                       : "Drag a point of the surface, or mark what is fixed and what is a handle.";
-    else if (lit && !(isLimb && lit->axis < 0))
+    else if (lit && !(isLimbForeseen && lit->axis < 0))
         text = QString::fromStdString(nameOf(session->state(), selected())) +
                (lit->axis < 0
                     ? QString(": drag moves it in the view")
                     : QString(lit->kind == BendDrag::Turn ? ": drag turns it about %1" : ": drag moves it along %1")
                           .arg("xyz"[lit->axis])) +
                (lit->axis < 0 ? QString() : ". G, R, S: " + textOfKeys() + ".");
-    else if (isLimb)
-        text = foreseenPivot ? "Drag this: its limb turns so that it follows."
-                             : "Drag a point of a limb: the limb turns so that it follows.";
+    else if (isLimbForeseen)
+        text = "Drag this: its limb turns so that it follows. G pulls it alone.";
     else if (hovered)
         text = QString::fromStdString(nameOf(session->state(), hovered) + ": drag it, or press G, R or S.");
     else if (keysBegin)

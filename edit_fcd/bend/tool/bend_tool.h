@@ -111,7 +111,8 @@ class BendTool : public BendStage {
     int keysTag = 0;                                  ///< the handle that keys find there, 0: none
     Place foreseen;                                   ///< what the mouse points at, whose influence is shown soon
     bool isForeseeing = false;                        ///< that is being done
-    std::optional<Eigen::Vector3d> foreseenPivot;     ///< where that would turn, world
+    std::vector<Eigen::Vector3d> foreseenPivots;      ///< where that would turn, world
+    bool isLimbForeseen = false;                      ///< a limb would turn, and nothing is pulled
     std::optional<GizmoPart> lit;                     ///< the part of the gizmo under the mouse
     unsigned long escaped = 0; ///< when Esc has given the mouse to the camera last, by the clock of the window system
     QElapsedTimer sinceRim;

@@ -47,6 +47,13 @@ void BendDrag::moveTo(const Camera &view, const Eigen::Vector3d &window) {
     if (a.norm() > 1 && b.norm() > 1)
         angle += std::remainder(std::atan2(b[1], b[0]) - std::atan2(a[1], a[0]), 360 * oneDegree) / oneDegree;
     last = window;
+    if (kind != Limb)
+        return;
+    const Eigen::Vector3d root = before ? before->pivot : pivot;
+    const std::optional<Eigen::Vector3d> bendsAt = before ? std::optional(pivot) : std::nullopt;
+    if (!limb || !limb->isOf(root, bendsAt))
+        limb.emplace(root, bendsAt, held);
+    limb->moveTo(view, from, window);
 }
 
 namespace {
@@ -60,6 +67,8 @@ double roundBelow(double x) {
 double inSteps(double x, double step) { return std::round(x / step) * step; }
 
 const double snapPixels = 20, snapDegrees = 5, snapFactor = 0.1; // steps that a hand can hit
+
+const double leastDegrees = 1e-4; // what is less comes of rounding
 
 } // namespace
 
@@ -77,30 +86,23 @@ bool BendDrag::isBeginning(const Camera &view) const {
     return modal && axis < 0 && typed.empty() && steps(view).empty();
 }
 
-/// Where the mouse leads what is held of a limb, from the pivot. It stays as long as it was where a turn is enough:
-/// where it would get longer, it first turns out of the view's depth; and it never gets shorter.
-Eigen::Vector3d BendDrag::limbTo(const Camera &view) const {
-    const double depth = view.toWindow(held)[2], length = (held - pivot).norm();
-    const Eigen::Vector3d way = view.toWorld({last[0], last[1], depth}) - view.toWorld({from[0], from[1], depth});
-    Eigen::Vector3d to = held - pivot + way;
-    if (to.norm() <= length)
-        return length / std::max(to.norm(), 1e-6 * length) * to;
-    const Eigen::Vector3d eye = view.towardsEye(held);
-    const double deep = to.dot(eye);
-    const Eigen::Vector3d flat = to - deep * eye;
-    return flat + std::copysign(std::sqrt(std::max(0.0, length * length - flat.squaredNorm())), deep) * eye;
+/// A turn of a limb, none where it is hardly one.
+std::optional<MotionStep> BendDrag::turnOf(const Eigen::AngleAxisd &turn, const Eigen::Vector3d &about) const {
+    const double turned = turn.angle() / oneDegree, degrees = inFewDigits(snap ? inSteps(turned, snapDegrees) : turned);
+    if (std::abs(degrees) < leastDegrees || !turn.axis().allFinite())
+        return {};
+    MotionStep made = MotionStep::Rotate(inFewDigits(turn.axis()), degrees);
+    made.about = inFewDigits(about);
+    return made;
 }
 
 BendDrag::Steps BendDrag::steps(const Camera &view) const {
     Steps all;
+    if (does() == Limb && limb && before)
+        if (const auto bent = turnOf(limb->bend(), pivot))
+            all.push_back(*bent);
     if (const auto turned = step(view))
         all.push_back(*turned);
-    if (does() != Limb || snap)
-        return all;
-    const Eigen::Vector3d to = limbTo(view);
-    const double longer = to.norm() - (held - pivot).norm();
-    if (longer > 1e-6 * to.norm())
-        all.push_back(MotionStep::Translate(inFewDigits(Eigen::Vector3d(longer * to.normalized()))));
     return all;
 }
 
@@ -117,15 +119,7 @@ std::optional<MotionStep> BendDrag::step(const Camera &view) const {
         return step;
     };
     switch (does()) {
-    case Limb: {
-        const Eigen::Vector3d before = held - pivot, now = limbTo(view);
-        const Eigen::AngleAxisd turn(Eigen::Quaterniond::FromTwoVectors(before, now));
-        const double turned = turn.angle() / oneDegree,
-                     degrees = inFewDigits(snap ? inSteps(turned, snapDegrees) : turned);
-        if (degrees == 0 || !before.allFinite() || !now.allFinite())
-            return {};
-        return about(MotionStep::Rotate(inFewDigits(turn.axis()), degrees));
-    }
+    case Limb: return limb ? turnOf(limb->turn(), before ? before->pivot : pivot) : std::nullopt;
     case Move: {
         const double pixel = view.pixelAt(pivot), length = roundBelow(snapPixels * pixel);
         Eigen::Vector3d way = view.toWorld({to[0], to[1], center[2]}) - view.toWorld({begun[0], begun[1], center[2]});
@@ -204,7 +198,9 @@ std::string BendDrag::text(const Camera &view) const {
     if (what == Move)
         return text + " by " + digits(added ? added->vector.norm() : 0) + (onto ? ", to the other surface" : "");
     if (what == Turn || what == Limb)
-        return text + " by " + digits(added ? added->degrees : 0) + " degrees";
+        text += " by " + digits(added ? added->degrees : 0) + " degrees";
+    if (what == Limb && before && limb)
+        text += ", its middle joint by " + digits(limb->bend().angle() / oneDegree);
     return text;
 }
 
@@ -219,5 +215,10 @@ std::map<int, BendDrag::Steps> BendDrag::motions(const Camera &view) const {
         for (const auto &each : carried)
             all[each.first] = joined(all[each.first], placed[i]);
     }
+    if (!before)
+        return all;
+    const auto turned = does() == Limb ? step(view) : std::nullopt;
+    for (const auto &[other, begun] : before->carried)
+        all[other] = turned ? joined(begun, *turned) : begun;
     return all;
 }

@@ -4,7 +4,7 @@
 
 #include <vcg_ext/handles/motion_text.h> // before Qt
 
-#include "edit_fcd/view/camera.h"
+#include "edit_fcd/bend/tool/limb_turn.h"
 
 #include <map>
 #include <optional>
@@ -33,10 +33,17 @@ struct BendDrag {
     Steps begin;                  ///< the motion before it
     std::map<int, Steps> carried; ///< by tag, the motions before it of the handles that go along
 
+    /// The joint of a limb before that of the handle: the limb bends at the handle's, and all of it turns at this one.
+    struct Before {
+        Eigen::Vector3d pivot;        ///< world
+        std::map<int, Steps> carried; ///< the motions before it of its handle, and of what goes along with that alone
+    };
+    std::optional<Before> before; ///< none: it turns at the handle's
+
     void moveTo(const Camera &view, const Eigen::Vector3d &window);
     /// What it adds to the motion, none where that is nothing.
     std::optional<vcg::fcd::MotionStep> step(const Camera &view) const;
-    /// All of that: a limb that does not reach as far as the mouse is moved, too.
+    /// All of that: a limb of two joints is bent, and then turned.
     Steps steps(const Camera &view) const;
     /// Whether what was typed is no number, so that nothing moves.
     bool isRefused() const;
@@ -47,9 +54,11 @@ struct BendDrag {
 
   private:
     Kind does() const { return kind == Limb && (axis >= 0 || !typed.empty()) ? Turn : kind; }
-    Eigen::Vector3d limbTo(const Camera &view) const;
+    std::optional<vcg::fcd::MotionStep> turnOf(const Eigen::AngleAxisd &turn, const Eigen::Vector3d &about) const;
     bool readTyped(double &number) const;
     bool isBeginning(const Camera &view) const;
+
+    std::optional<LimbTurn> limb; ///< since the mouse has moved
 };
 
 #endif

@@ -39,6 +39,14 @@ void DragInteraction::begin(const Grip &what) {
                     isLimb ? stage.session->limbAt(grip.slot, radius) : stage.session->strokeAt(*grip.stroke, radius);
                 grip.isNew = !before.isHandle(grip.tag);
             }
+            if (isLimb && !grip.tag) {
+                if (grip.modal)
+                    throw vcg::fcd::Error(
+                        "There is no limb here that could be turned: G pulls this place, and R turns it.");
+                grip.tag = asked; // it is pulled
+                grip.isNew = !asked;
+                grip.part.kind = BendDrag::Move;
+            }
             if (!grip.tag)
                 grip.tag = stage.session->addPoint(grip.slot, radius);
             if (grip.part.kind != BendDrag::Move)
@@ -71,6 +79,14 @@ void DragInteraction::beginPrepared() {
     begun.begin = motionOf(model.state, tag);
     for (const int other : carriedBy(model, tag))
         begun.carried[other] = motionOf(model.state, other);
+    first = begun.kind == BendDrag::Limb ? jointBefore(model, tag, held) : 0;
+    if (first) {
+        begun.before.emplace();
+        begun.before->carried[first] = motionOf(model.state, first);
+        for (const int other : carriedBy(model, first))
+            if (other != tag && begun.carried.count(other) == 0)
+                begun.before->carried[other] = motionOf(model.state, other);
+    }
     now = std::make_unique<BendDrag>(std::move(begun));
     placePivot();
     stage.frame = 0;
@@ -98,8 +114,9 @@ void DragInteraction::beginPrepared() {
 /// What is turned, and what bends with it by how much; of what is pulled, the tool draws points.
 void DragInteraction::showInfluence() {
     const auto &extents = stage.session->model().influence.extents;
-    const auto found = extents.find(now->tag);
-    const bool isTurned = isGrip(stage.session->state(), now->tag) && found != extents.end();
+    const int tag = first ? first : now->tag; // with which all goes that moves
+    const auto found = extents.find(tag);
+    const bool isTurned = isGrip(stage.session->state(), tag) && found != extents.end();
     stage.colors->preview(isTurned ? found->second : nullptr);
     stage.showOverlay();
 }
@@ -108,10 +125,14 @@ void DragInteraction::showInfluence() {
 void DragInteraction::placePivot() {
     const BendModel &model = stage.session->model();
     const bool isGiven = handleOf(model.state, now->tag).pivot.has_value(), isPoint = isGrip(model.state, now->tag);
-    const Eigen::Affine3d since = // the drag began
-        motionBy(model, now->tag, now->begin) * motionAt(model, now->tag).inverse();
-    now->pivot = since * (now->kind == BendDrag::Move && !isGiven ? dotOf(model, now->tag) : pivotOf(model, now->tag));
+    const auto asItBegan = [&](int tag, const BendDrag::Steps &begin, const Eigen::Vector3d &place) {
+        return Eigen::Vector3d(motionBy(model, tag, begin) * motionAt(model, tag).inverse() * place);
+    };
+    now->pivot = asItBegan(now->tag, now->begin,
+                           now->kind == BendDrag::Move && !isGiven ? dotOf(model, now->tag) : pivotOf(model, now->tag));
     now->isAbout = isGiven || isPoint;
+    if (now->before)
+        now->before->pivot = asItBegan(first, now->before->carried.at(first), pivotOf(model, first));
 }
 
 /// What is dragged is moved, turned or scaled from now on. A point that is turned holds more, for which the layer is
@@ -251,6 +272,7 @@ bool DragInteraction::turnWheel(double steps) {
     session.setRadius(now->tag, radiusOf(session.model(), now->tag) * std::pow(1.1, steps));
     isRadiusShown = true;
     placePivot();
+    now->moveTo(stage.seen, now->last);
     showInfluence();
     if (stage.moving)
         stage.moving = MovingPart::of(*stage.view, *stage.model, session.tags(), stage.colors->of(session));

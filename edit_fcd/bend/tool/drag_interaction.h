@@ -54,6 +54,7 @@ class DragInteraction : public BendInteraction {
     Grip grip;
     Eigen::Vector3d held;       ///< where its vertex was then, or the mouse is with a stroke; world
     int asked = 0;              ///< the tag of what was to be dragged
+    int first = 0;              ///< of a limb that is bent: the handle of its first joint; 0: it is turned alone
     Eigen::Vector3d gripped;    ///< where the mouse was then, window
     double tookToPrepare = 0;   ///< milliseconds
     bool isRadiusShown = false; ///< the wheel has changed it

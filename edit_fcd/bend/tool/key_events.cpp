@@ -105,8 +105,8 @@ void BendTool::act(BendAction::Id action) {
     case BendAction::Scale: dragByKey(BendDrag::Scale); break;
     case BendAction::Limb: dragByKey(BendDrag::Limb); break;
     case BendAction::Pivot: placePivot(); break;
+    case BendAction::Drag: setMode(BendPanel::Drag); break;
     case BendAction::Pull: setMode(BendPanel::Pull); break;
-    case BendAction::TurnLimb: setMode(BendPanel::Limb); break;
     case BendAction::Brush: setMode(BendPanel::Brush); break;
     case BendAction::Rectangle: setMode(BendPanel::Rectangle); break;
     case BendAction::Polyline: setMode(BendPanel::Polyline); break;

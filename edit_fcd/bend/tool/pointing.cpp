@@ -52,6 +52,12 @@ BendStage::Place BendStage::placeAtMouse() const {
     return tag >= 2 && !isAlong(session->model(), *slot) ? Place{tag, {}, slot} : Place{0, slot, {}};
 }
 
+bool BendStage::isForLimb(const Place &place) const {
+    const BendModel &model = session->model();
+    const bool isLocal = model.influence.isLocal || !session->state().marks; // else what is fixed says what bends
+    return panel->mode() == BendPanel::Drag && isLocal && (!place.tag || turnsLimb(model, place.tag));
+}
+
 /// The part of the gizmo under the mouse, none where that is on the dot of another handle, which a ring may cross.
 std::optional<GizmoPart> BendStage::partAtMouse() const {
     const std::optional<Gizmo> shown = gizmo();

@@ -49,8 +49,8 @@ void BendTool::press(QMouseEvent *event) {
 /// Begins what a press in this mode begins. \return false where that is nothing
 bool BendTool::begin() {
     switch (panel->mode()) {
-    case BendPanel::Pull:
-    case BendPanel::Limb: return grab();
+    case BendPanel::Drag:
+    case BendPanel::Pull: return grab();
     case BendPanel::Line:
         if (goOn<LineInteraction>().begin())
             return true;
@@ -191,46 +191,55 @@ void BendTool::foresee() {
         return;
     int tag = foreseen.tag;
     const std::optional<std::size_t> slot = foreseen.slot;
-    const bool isThere = slot && *slot < session->tags().size() && canBecomePoint(session->model(), *slot);
+    const BendModel &model = session->model();
+    const bool isThere = slot && *slot < session->tags().size() && canBecomePoint(model, *slot);
     QElapsedTimer watch;
     watch.start();
     std::shared_ptr<const BendExtent> found;
     const double worldRadius = panel->radius() * session->diagonal();
-    if (session->model().influence.isLocal || !session->state().marks) { // else all that is free moves
-        if (panel->mode() == BendPanel::Limb)
-            std::tie(tag, found) = session->glimpseLimb(tag, slot, worldRadius);
-        else
-            found = tag ? session->glimpseOf(tag) : isThere ? session->glimpse(*slot, worldRadius) : nullptr;
+    if (isForLimb(foreseen))
+        std::tie(tag, found) = session->glimpseLimb(tag, slot, worldRadius);
+    isLimbForeseen = found != nullptr;
+    foreseenPivots.clear();
+    if (isLimbForeseen && tag) {
+        const std::optional<std::size_t> held = slot ? slot : foreseen.held;
+        if (const int first = jointBefore(model, tag, held ? session->positionOf(*held) : dotOf(model, foreseen.tag))) {
+            foreseenPivots.push_back(pivotOf(model, tag)); // there it bends, and all of it turns
+            tag = first;
+            found = session->glimpseOf(first);
+        }
     }
-    foreseenPivot.reset();
+    if (!found && (model.influence.isLocal || !session->state().marks)) { // else all that is free moves
+        tag = foreseen.tag;
+        found = tag ? session->glimpseOf(tag) : isThere ? session->glimpse(*slot, worldRadius) : nullptr;
+    }
     if (found) {
         const std::size_t at = found->vertices.front();
-        const BendModel &model = session->model();
         const Eigen::Vector3d rest = model.ground.world * model.ground.at(at),
                               pivot = found->joint ? Eigen::Vector3d(model.ground.world * *found->joint) : rest;
-        foreseenPivot = tag ? pivotOf(model, tag) : session->seenAt(pivot, at);
+        foreseenPivots.push_back(tag ? pivotOf(model, tag) : session->seenAt(pivot, at));
     }
     panel->showState(stateText());
     if (!colors->preview(found))
         return;
     showOverlay();
     if (std::getenv("FCD_TRACE") && found)
-        std::fprintf(stderr, "FCD trace: foreseen: %d vertices, %d move, %.1f ms\n", model->cm.vn,
+        std::fprintf(stderr, "FCD trace: foreseen: %d vertices, %d move, %.1f ms\n", this->model->cm.vn,
                      int(found->beyond.size() + found->around.size()), double(watch.nsecsElapsed()) / 1e6);
 }
 
 /// Nothing is going to move any more.
 void BendTool::forgetForeseen() {
-    foreseenPivot.reset();
+    foreseenPivots.clear();
+    isLimbForeseen = false;
     if (colors && colors->preview(nullptr) && layer())
         showOverlay();
 }
 
 /// Begins to drag what is under the mouse. \return false where there is nothing to drag
 bool BendTool::grab() {
-    const bool isLimb = panel->mode() == BendPanel::Limb;
     if (std::optional<GizmoPart> part = partAtMouse()) {
-        if (isLimb && part->axis < 0)
+        if (part->axis < 0 && isForLimb({selected(), {}, {}}))
             part->kind = BendDrag::Limb;
         beginDrag({selected(), 0, *part, false, false, false});
         return true;
@@ -242,7 +251,7 @@ bool BendTool::grab() {
         hint = "This part is fixed: the camera moves. Mark it as free first (U), or clear the marks.";
         return false;
     }
-    const GizmoPart part{isLimb ? BendDrag::Limb : BendDrag::Move, -1};
+    const GizmoPart part{isForLimb(place) ? BendDrag::Limb : BendDrag::Move, -1};
     beginDrag({place.tag, place.slot.value_or(place.held.value_or(0)), part, false, false, place.held.has_value()});
     return true;
 }
@@ -250,7 +259,8 @@ bool BendTool::grab() {
 void BendTool::beginDrag(const DragInteraction::Grip &grip) {
     if (grip.tag && handleOf(session->state(), grip.tag).isLocked)
         throw vcg::fcd::Error(nameOf(session->state(), grip.tag) + " is locked: the list of handles unlocks it.");
-    foreseenPivot.reset();
+    foreseenPivots.clear();
+    isLimbForeseen = false;
     colors->preview(nullptr); // the drag shows what it moves
     DragInteraction &begun = goOn<DragInteraction>();
     try {

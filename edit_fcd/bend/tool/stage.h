@@ -73,6 +73,9 @@ class BendStage : public LayerTool {
     };
     Place placeAtMouse() const;
     std::optional<std::size_t> slotAtMouse() const; ///< none where there is nothing, or another layer
+    /// Whether a press there turns the limb that it is on, if it is on one, and pulls nothing: in the mode Drag, where
+    /// it is no other handle and nothing is marked as fixed.
+    bool isForLimb(const Place &place) const;
     /// The part of the gizmo under the mouse, none where that is on the dot of another handle, which a ring may cross.
     std::optional<GizmoPart> partAtMouse() const;
     int selected() const;               ///< the handle that keys move where none is under the mouse, 0: there is none
