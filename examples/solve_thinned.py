@@ -18,20 +18,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 import pymeshlab_fcd
-from warp_las import columns
+from warp_las import chunks, columns
 
 
 def thinned(tiles: Iterable[str], spacing: float, chunk: int = 1_000_000) -> NDArray[np.float64]:
     """The first point in each cube, n x 3."""
+    if not 0 < spacing < np.inf:
+        raise ValueError(f"the spacing must be a positive number; it is {spacing}")
     cells, kept = np.zeros((0, 3), np.int64), np.zeros((0, 3))
     for tile in tiles:
-        with laspy.open(tile) as reader:
-            for points in reader.chunk_iterator(chunk):
-                xyz = columns(points, "xyz")
-                cells = np.concatenate([cells, np.floor(xyz / spacing).astype(np.int64)])
-                kept = np.concatenate([kept, xyz])
-                cells, first = np.unique(cells, axis=0, return_index=True)
-                kept = kept[first]
+        try:
+            with laspy.open(tile) as reader:
+                for points in chunks(reader, chunk):
+                    xyz = columns(points, "xyz")
+                    cells = np.concatenate([cells, np.floor(xyz / spacing).astype(np.int64)])
+                    kept = np.concatenate([kept, xyz])
+                    cells, first = np.unique(cells, axis=0, return_index=True)
+                    kept = kept[first]
+        except Exception as error:  # whatever laspy finds in it
+            raise ValueError(f"{tile}: {error or type(error).__name__}") from error
     return kept
 
 
@@ -60,4 +65,9 @@ def main(landmarks: str, target: str, spacing: str, *tiles: str) -> None:
 if __name__ == "__main__":
     if len(sys.argv) < 5:
         sys.exit(__doc__)
-    main(*sys.argv[1:])
+    try:
+        main(*sys.argv[1:])
+    except (OSError, ValueError) as error:
+        sys.exit(f"{error}".rstrip(".") + ".")
+    except KeyboardInterrupt:
+        sys.exit(130)

@@ -16,7 +16,7 @@ import contextlib
 import copy
 import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +35,18 @@ VECTORS = ("displacement_x", "displacement_y", "displacement_z", "displacement")
 def columns(points: Any, names: Iterable[str]) -> NDArray[np.float64]:
     """Three dimensions of points, n x 3."""
     return np.stack([np.asarray(points[name], np.float64) for name in names], axis=1)
+
+
+def chunks(reader: laspy.LasReader, size: int) -> Iterator[Any]:
+    """The points of a file, so many at a time. Raises ValueError where these are not all that it should have, which laspy does not tell."""
+    if not np.isfinite([reader.header.offsets, reader.header.scales]).all():
+        raise ValueError("it has no numbers as scale and offset of its coordinates")
+    done = 0
+    for points in reader.chunk_iterator(size):
+        done += len(points)
+        yield points
+    if done != reader.header.point_count:
+        raise ValueError(f"it is cut short: it has {done} of its {reader.header.point_count} points")
 
 
 def targets(tiles: Iterable[str | Path], folder: str | Path) -> dict[Path, Path]:
@@ -78,7 +90,7 @@ def warp(bend: pymeshlab_fcd.Deformation, source: str | Path, target: str | Path
     except OverflowError:  # the points go farther than the whole numbers reach: seen first how far
         low, high = np.full(3, np.inf), np.full(3, -np.inf)
         with laspy.open(source) as reader:
-            for points in reader.chunk_iterator(chunk):
+            for points in chunks(reader, chunk):
                 xyz = bend(columns(points, "xyz"), threads=threads)
                 low, high = np.minimum(low, xyz.min(0)), np.maximum(high, xyz.max(0))
         return warp_within(bend, source, target, chunk, threads, vectors, (low, high))
@@ -101,7 +113,7 @@ def warp_within(bend: pymeshlab_fcd.Deformation, source: str | Path, target: str
                 present = set(header.point_format.dimension_names)
                 header.add_extra_dims([laspy.ExtraBytesParams(name, "f4") for name in VECTORS if name not in present])
             with laspy.open(aside, mode="w", header=header, do_compress=target.suffix.lower() == ".laz") as writer:
-                for points in reader.chunk_iterator(chunk):
+                for points in chunks(reader, chunk):
                     xyz = before = columns(points, "xyz")
                     if header is not reader.header:
                         points, given = laspy.ScaleAwarePointRecord.zeros(len(points), header=header), points
@@ -152,4 +164,6 @@ if __name__ == "__main__":
     try:
         sys.exit(main(*sys.argv[1:]))
     except (OSError, ValueError) as error:
-        sys.exit(f"{error}.")
+        sys.exit(f"{error}".rstrip(".") + ".")
+    except KeyboardInterrupt:
+        sys.exit(130)

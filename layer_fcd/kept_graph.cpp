@@ -30,15 +30,17 @@ void handDownGraph(const MeshDocument &document, const LayerState &state) {
 const MeshModel *likelyGraph(const MeshDocument &document, bool isDeformed) {
     static const QRegularExpression deformed(" deformed graph[ 0-9()]*$"), any(" graph( \\d+)?(\\(\\d+\\))?$");
     const MeshModel *found = document.mm();
-    bool isIts = false;
+    int best = 0;
     for (const MeshModel *layer : host::layers(document)) {
         found = found ? found : layer;
         const std::optional<GraphState> graph = graphOf(document, *layer);
         const bool isDeformedGraph = graph ? graph->isDeformed : layer->label().contains(deformed);
         const bool isOfCurrent = graph && document.mm() && graph->source == document.mm()->id();
-        if ((graph || layer->label().contains(any)) && isDeformedGraph == isDeformed && (isOfCurrent || !isIts)) {
+        // What holds no deformation is a copy of what does, or was loaded.
+        const int rank = 1 + 2 * isOfCurrent + (isDeformed && LayerState::known(*layer).deformation);
+        if ((graph || layer->label().contains(any)) && isDeformedGraph == isDeformed && rank >= best) {
             found = layer;
-            isIts = isOfCurrent;
+            best = rank;
         }
     }
     return found;

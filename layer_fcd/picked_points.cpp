@@ -40,9 +40,7 @@ std::vector<Picked> readActive(const QByteArray &text, const std::string &name) 
             points.push_back({attributes.value("name").toString(), p});
         }
     if (xml.hasError()) {
-        std::string reason; // may quote the file
-        for (QChar c : xml.errorString().left(100))
-            reason += c >= ' ' && c <= '~' ? c.toLatin1() : '?';
+        std::string reason = vcg::fcd::detail::Printable(xml.errorString().toStdString(), 100); // may quote the file
         while (!reason.empty() && reason.back() == '.')
             reason.pop_back();
         throw Error(here() + "expected the XML of picked points: " + reason + ".");
@@ -52,10 +50,8 @@ std::vector<Picked> readActive(const QByteArray &text, const std::string &name) 
 
 /// A name as a message may hold it.
 std::string plain(const QString &name) {
-    std::string text = "'";
-    for (QChar c : name.left(40))
-        text += c >= ' ' && c <= '~' ? c.toLatin1() : '?';
-    return text + "'";
+    const std::string text = name.toStdString();
+    return vcg::fcd::detail::Excerpt(text, 0, text.size());
 }
 
 std::map<QString, Eigen::Vector3d> byName(const std::vector<Picked> &points, const std::string &file) {

@@ -272,6 +272,18 @@ def test_the_layers_of_the_deformation_made_last_are_the_defaults(tmp_path):
     assert np.abs(ms.current_mesh().vertex_matrix() - ms.mesh(8).vertex_matrix()).max() < 1e-6
 
 
+def test_the_default_graph_is_one_that_holds_a_deformation(tmp_path):
+    ms = bent_bone()
+    for layer in 2, 1:  # the graphs, deformed and at rest
+        ms.set_current_mesh(layer)
+        ms.apply_filter("generate_copy_of_current_mesh")
+    ms.set_current_mesh(1)
+    ms.delete_current_mesh()
+    ms.set_current_mesh(0)
+    ms.apply_filter(SAVE_DEFORMATION, deformation_file=str(tmp_path / "a.ply"))
+    assert (tmp_path / "a.ply").stat().st_size > 1000
+
+
 def test_what_is_deformed_in_a_pose_is_saved_and_applied(tmp_path):
     other, ms = dict(translation=np.array([0, 0, 0.1])), clean_bone()
     ms.apply_filter(POSE, **other)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import concurrent.futures
+import contextlib
 import hashlib
 import importlib
 import os
@@ -27,9 +28,10 @@ from ._fit import fit
 from ._inputs import Points
 from ._mean import mean_shape
 from ._motion import Motion
+from ._numbers import shown
 from ._ply import Ply
 from ._pose import Pose
-from ._results import Row, Table, source, state, told
+from ._results import Row, Table, source, state
 from ._straighten import straighten
 from ._symmetrize import symmetrize
 
@@ -206,9 +208,9 @@ def _job(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
 def _stamp(path: Path) -> str:
     try:
         known = path.stat()
-        return f"{told(path.resolve())} {known.st_size} {known.st_mtime_ns}"
+        return f"{shown(path.resolve())} {known.st_size} {known.st_mtime_ns}"
     except OSError:
-        return f"{told(path)} is not there"
+        return f"{shown(path)} is not there"
 
 
 def _key(given: argparse.Namespace, path: Path) -> str:
@@ -273,8 +275,8 @@ def _write_mean(files: Sequence[Path], out: Path, scaled: bool) -> None:
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     first.save(out, found.vertices, normals)
     far = int(found.apart.argmax())
-    _say(f"mean of {len(files)} shapes: {told(out)}; they are {float(np.sqrt((found.apart**2).mean())):.4g} from it (root mean square), "
-         f"{told(files[far])} the most, {found.apart[far]:.4g}")
+    _say(f"mean of {len(files)} shapes: {shown(out)}; they are {float(np.sqrt((found.apart**2).mean())):.4g} from it (root mean square), "
+         f"{shown(files[far])} the most, {found.apart[far]:.4g}")
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -338,6 +340,8 @@ def _parser() -> argparse.ArgumentParser:
 def _say(text: str, file: TextIO | None = None) -> None:
     """In what characters the stream has."""
     stream: Any = file or sys.stdout
+    if stream is None:  # it was closed before the start
+        return
     kind = stream.encoding or "ascii"
     print(text.encode(kind, "backslashreplace").decode(kind), file=stream, flush=True)
 
@@ -361,12 +365,12 @@ def _looked_at(parser: argparse.ArgumentParser, given: argparse.Namespace, paths
     if given.job == "info":
         return
     names: dict[str, Path] = {"mean.ply": Path("--mean")} if getattr(given, "mean", None) else {}
-    read = [*paths, *(Path(getattr(given, name)) for name in ("template", "deformation") if hasattr(given, name))]
+    read = set().union(*map(_files.marks, [*paths, *(Path(getattr(given, name)) for name in ("template", "deformation") if hasattr(given, name))]))
     for path, out in outs.items():
         if names.setdefault(out.name.casefold(), path) != path:
-            parser.error(f"{told(names[out.name.casefold()])} and {told(path)} would have one result, {told(out)}: rename one of them")
-        if any(_files.same_file(out, each) for each in read):
-            parser.error(f"{told(out)} would be written over what is read: give another folder")
+            parser.error(f"{shown(names[out.name.casefold()])} and {shown(path)} would have one result, {shown(out)}: rename one of them")
+        if not read.isdisjoint(_files.marks(out)):
+            parser.error(f"{shown(out)} would be written over what is read: give another folder")
 
 
 def _table(parser: argparse.ArgumentParser, given: argparse.Namespace, outs: Mapping[Path, Path]) -> Table | None:
@@ -375,21 +379,31 @@ def _table(parser: argparse.ArgumentParser, given: argparse.Namespace, outs: Map
         return None
     folder = Path(given.out)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        parser.error(f"--out {told(folder)} is no folder, and cannot be made: {error.strerror}")
-    try:
         table = Table(folder / f"{given.job}.csv", list(outs))
         others = {job: Table(folder / f"{job}.csv") for job in _JOBS if job not in ("info", given.job)}
     except (OSError, ValueError) as error:
         parser.error(f"{error}")
-    written = [*outs.items(), *([(None, folder / "mean.ply")] if getattr(given, "mean", None) else [])] if given.job != "info" else []
+    mean = folder / "mean.ply"  # which is of itself
+    written = [*outs.items(), *([(mean, mean)] if getattr(given, "mean", None) else [])] if given.job != "info" else []
     for path, out in written:
         for job, each in {given.job: table, **others}.items():
             for row in each.owners(out):
-                if path is None or job != given.job or (row["source"] != source(path) and not _files.same_file(f"{row['source']}", path)):
-                    parser.error(f"{told(out)} is what {job} made of {row['source']}: give another folder, or delete it first")
+                if job != given.job or (row["source"] != source(path) and not _files.same_file(f"{row['source']}", path)):
+                    if row["source"] == source(out):
+                        parser.error(f"{shown(out)} is the mean that {job} made: give another folder, or delete it first")
+                    parser.error(f"{shown(out)} is what {job} made of {row['source']}: give another folder, or delete it first")
     return table
+
+
+def _folder(parser: argparse.ArgumentParser, given: argparse.Namespace) -> contextlib.AbstractContextManager[bool]:
+    """That of the results, made and taken; `True` where there is none."""
+    if not given.out:
+        return contextlib.nullcontext(True)
+    try:
+        os.makedirs(given.out, exist_ok=True)
+    except OSError as error:
+        parser.error(f"--out {shown(given.out)} is no folder, and cannot be made: {error.strerror}")
+    return _files.alone(given.out)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -399,10 +413,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     ending = "" if given.job == "info" else ".ply"
     outs = {path: Path(given.out or ".") / f"{path.stem}{ending}" for path in paths}
     _looked_at(parser, given, paths, outs)
-    table = _table(parser, given, outs)
     try:
-        with _workers.terminable():
-            return _go(given, outs, table)
+        with _workers.terminable(), _folder(parser, given) as is_alone:
+            if not is_alone:
+                parser.error(f"another command is writing to --out {shown(given.out)}: wait until it is done, or give another folder")
+            return _go(given, outs, _table(parser, given, outs))
+    except BrokenPipeError:  # whoever read what is said is gone, as of "| head"
+        with contextlib.suppress(AttributeError, OSError, ValueError):  # what is still to be said goes nowhere
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 141  # as by SIGPIPE
+    except OSError as error:  # of the table or the mean: a job tells its own in its row
+        with contextlib.suppress(OSError):
+            _say(f"ended: {error}; the same command goes on from here", sys.stderr)
+        return 1
     except KeyboardInterrupt as ended:
         is_asked = isinstance(ended, _workers.Terminated)
         _say(f"{'ended' if is_asked else 'interrupted'}: the same command goes on from here", sys.stderr)
@@ -432,7 +455,7 @@ def _go(given: argparse.Namespace, outs: Mapping[Path, Path], table: Table | Non
         seen = f"failed: {row['error']}" if row["error"] else ", ".join(
             f"{name} {value:.4g}" if isinstance(value, float) else f"{name} {value}" for name, value in row.items()
             if name not in ("error", "warnings", "result") and value is not None)
-        _say(f"{number}/{len(outs)} {told(path)}: {seen}")
+        _say(f"{number}/{len(outs)} {shown(path)}: {seen}")
         for text in filter(None, str(row.get("warnings", "")).split(" | ")):
             _say(f"    warning: {text}")
     if table and left:
@@ -440,10 +463,13 @@ def _go(given: argparse.Namespace, outs: Mapping[Path, Path], table: Table | Non
     if getattr(given, "mean", None):
         good = [out for path, out in outs.items() if is_as_written(path)]
         if len(good) < len(outs) - failed:
-            _say(f"no mean is made: {told(next(out for path, out in outs.items() if out not in good))} has been changed since", sys.stderr)
+            _say(f"no mean is made: {shown(next(out for path, out in outs.items() if out not in good))} has been changed since", sys.stderr)
             return 1
         if good:
-            _write_mean(good, Path(given.out) / "mean.ply", given.mean == "similar")
+            mean = Path(given.out) / "mean.ply"
+            _write_mean(good, mean, given.mean == "similar")
+            if table:  # which tells whose it is
+                table.add(mean, {"error": "", "seconds": "", "warnings": "", "result": state(mean), "key": "mean"})
     if failed:
         _say(f"{failed} of {len(outs)} files could not be done", sys.stderr)
     return 1 if failed else 0

@@ -5,26 +5,55 @@ from __future__ import annotations
 import contextlib
 import os
 import shutil
+import sys
 import unicodedata
 import uuid
 from collections.abc import Iterator, Sequence
 from typing import BinaryIO
 
 
+def marks(path: str | os.PathLike[str]) -> set[object]:
+    """What two names have in common, at least one of these, if what is written to both ends in one file: by links, also to where nothing is
+    yet, and, on any system, where the names differ in case alone, which not all of them tell apart."""
+    def known(real: str) -> object:
+        with contextlib.suppress(OSError):  # it is not there yet
+            about = os.stat(real)
+            return about.st_dev, about.st_ino
+        return real
+
+    real = os.path.realpath(os.fsdecode(path))
+    folder, name = os.path.split(real)
+    return {known(real), (known(folder), unicodedata.normalize("NFC", name).casefold())}
+
+
 def same_file(a: str | os.PathLike[str], b: str | os.PathLike[str]) -> bool:
-    """Whether what is written to both ends in one file: by links, also to where nothing is yet, and, on any system, where the names
-    differ in case alone, which not all of them tell apart."""
-    first, second = (os.path.realpath(os.fsdecode(path)) for path in (a, b))
-    with contextlib.suppress(OSError):  # one is not there yet
-        if os.path.samefile(first, second):
-            return True
-    names = [unicodedata.normalize("NFC", os.path.basename(path)).casefold() for path in (first, second)]
-    folders = [os.path.dirname(path) for path in (first, second)]
-    if names[0] != names[1]:
-        return False
-    with contextlib.suppress(OSError):  # no folder
-        return os.path.samefile(*folders)
-    return folders[0] == folders[1]
+    """Whether what is written to both ends in one file."""
+    return not marks(a).isdisjoint(marks(b))
+
+
+@contextlib.contextmanager
+def alone(folder: str | os.PathLike[str]) -> Iterator[bool]:
+    """Whether no other process is in here with this folder, which it then is while this lasts, however it ends. Where the file system
+    cannot tell, none is."""
+    opened: int | None = None
+    is_alone = True
+    try:
+        if sys.platform == "win32":  # a file that goes with the process
+            opened = os.open(os.path.join(folder, ".pymeshlab_fcd.lock"), os.O_CREAT | os.O_EXCL | os.O_TEMPORARY)
+        else:
+            import fcntl
+
+            opened = os.open(folder, os.O_RDONLY)
+            fcntl.flock(opened, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except (BlockingIOError, FileExistsError):
+        is_alone = False
+    except OSError:  # as of some networks
+        pass
+    try:
+        yield is_alone
+    finally:
+        if opened is not None:
+            os.close(opened)
 
 
 class _Replacement:

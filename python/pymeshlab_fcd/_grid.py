@@ -44,7 +44,7 @@ class DisplacementGrid:
         Raises
         ------
         ValueError
-            The name ends otherwise.
+            The name ends otherwise, or single precision does not hold the displacements.
         OSError
             It cannot be written, as where the disk is full.
         """
@@ -53,7 +53,10 @@ class DisplacementGrid:
             raise ValueError(f"a grid is written as .nrrd or .vti, and not as {ending or 'a file without an ending'}")
         # x runs fastest, in both formats.
         flip = np.array([-1.0, -1.0, 1.0]) if ending == ".nrrd" and self.axes == "RAS" else np.ones(3)
-        data = np.ascontiguousarray((self.displacements * flip).transpose(2, 1, 0, 3), "<f4")
+        with np.errstate(over="ignore"):
+            data = np.ascontiguousarray((self.displacements * flip).transpose(2, 1, 0, 3), "<f4")
+        if not np.isfinite(data).all():
+            raise ValueError("the file holds displacements up to 3e38, in single precision, and there are longer ones, or some that are no numbers")
         head = self._nrrd(flip) if ending == ".nrrd" else self._vti(data.nbytes)
         with _files.written([path]) as files:
             files[0].write(head)

@@ -38,8 +38,8 @@ def text(name: str, value: object, example: str = "") -> str:
 
 
 def shown(path: str | bytes | os.PathLike[Any]) -> str:
-    """The name of a file for messages, whatever its characters are."""
-    return os.fsdecode(path).encode(errors="replace").decode().replace("\0", "?")
+    """The name of a file for tables and messages, the same in any locale; bytes that are no UTF-8 as \\xe9."""
+    return os.fsencode(path).decode("utf-8", "backslashreplace").replace("\0", "\\0")
 
 
 def _kind(values: object, array: NDArray[Any]) -> str:

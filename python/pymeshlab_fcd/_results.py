@@ -9,19 +9,15 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from . import _files
+from ._numbers import shown
 
 Row = dict[str, object]
 _LAST = ("seconds", "warnings", "error", "source", "result", "key")
 
 
-def told(path: str | os.PathLike[str]) -> str:
-    """A name for tables and messages, the same in any locale; bytes that are no UTF-8 as \\xe9."""
-    return os.fsencode(path).decode("utf-8", "backslashreplace")
-
-
 def source(path: Path) -> str:
     """What a row is of, wherever the command is called."""
-    return told(os.path.abspath(path))
+    return shown(os.path.abspath(path))
 
 
 def state(*paths: Path) -> str:
@@ -43,7 +39,7 @@ class Table:
             with open(path, newline="", encoding="utf-8-sig", errors="replace") as file:
                 reader = csv.DictReader(line.replace("\0", "") for line in file)
                 if not {"file", "key"} <= set(reader.fieldnames or ["file", "key"]):
-                    raise ValueError(f"{told(path)} would be written over, but is no table of results: rename it, or give another folder")
+                    raise ValueError(f"{shown(path)} would be written over, but is no table of results: rename it, or give another folder")
                 self.rows = {row["source"]: dict(row) for row in reader if row.get("key") and row.get("source")}  # the last may be half a row
         self.order = list(dict.fromkeys([*map(source, files), *self.rows]))
         self.names: list[str] = []
@@ -56,7 +52,7 @@ class Table:
             for row in self.rows.values():
                 self._results.setdefault(Path(f"{row['source']}").stem.casefold(), []).append(row)
         now = state(out)
-        return [row for row in self._results.get(told(out.stem).casefold(), []) if now and f"{row['result']}".split("; ")[0] == now]
+        return [row for row in self._results.get(shown(out.stem).casefold(), []) if now and f"{row['result']}".split("; ")[0] == now]
 
     def write(self) -> None:
         """All of it, in the order of the files."""
@@ -68,8 +64,10 @@ class Table:
         _files.write(self.path, text.getvalue().encode("utf-8", "backslashreplace"))
 
     def add(self, path: Path, row: Row) -> None:
-        row = {"file": told(path), **row, "source": source(path)}
+        row = {"file": shown(path), **row, "source": source(path)}
         self.rows[source(path)] = row
+        if source(path) not in self.order:
+            self.order.append(source(path))
         if not set(row) <= set(self.names):  # columns that it does not have yet
             self.write()
             return

@@ -12,7 +12,7 @@ import pytest
 from shapes import bar
 from test_batch import scans, table, write_ply
 
-from pymeshlab_fcd import Deformer, Motion, _tables, read_curves
+from pymeshlab_fcd import Deformer, Motion, _files, _tables, read_curves
 from pymeshlab_fcd._batch import main
 from pymeshlab_fcd._ply import Ply
 
@@ -80,6 +80,82 @@ def test_the_mean_is_of_what_was_fitted(tmp_path, capsys):
         _batch._JOBS["fit"] = job
     assert "no mean is made: " in capsys.readouterr().err
     assert main(command) == 0 and (out / "mean.ply").exists()
+
+
+def test_the_mean_is_nobody_elses(tmp_path, capsys):
+    vertices, faces, tags, files = scans(tmp_path, 2)
+    write_ply(tmp_path / "mean.ply", vertices, faces, tags)
+    out = tmp_path / "o"
+    command = ["fit", str(tmp_path / "template.ply"), *files, "--out", str(out)]
+    for _ in range(2):
+        assert main([*command, "--mean"]) == 0
+    made = (out / "mean.ply").read_bytes()
+    for other in (["deform", str(tmp_path / "mean.ply"), "--out", str(out)], [*command[:2], str(tmp_path / "mean.ply"), "--out", str(out)]):
+        assert f"{out / 'mean.ply'} is the mean that fit made: give another folder, or delete it first" in refused(capsys, other)
+    assert main(command) == 0 and (out / "mean.ply").read_bytes() == made and "2 of 2 files are done already" in capsys.readouterr().out
+    assert [row["file"] for row in table(out / "fit.csv").values()] == [*files, str(out / "mean.ply")]
+    (tmp_path / "more.ply").write_bytes((tmp_path / "scan0.ply").read_bytes())
+    assert main([*command[:2], str(tmp_path / "more.ply"), *command[2:]]) == 0 and len(table(out / "fit.csv")) == 4
+
+
+def test_one_command_at_a_time_writes_to_a_folder(tmp_path, capsys):
+    vertices, faces, tags, _ = bar(9, 3)
+    write_ply(tmp_path / "a.ply", vertices, faces, tags)
+    command = ["deform", str(tmp_path / "a.ply"), "--out", str(tmp_path / "o")]
+    (tmp_path / "o").mkdir()
+    with _files.alone(tmp_path / "o") as is_alone:
+        assert is_alone
+        said = subprocess.run([sys.executable, "-m", "pymeshlab_fcd", *command], capture_output=True, text=True, timeout=60)
+        assert said.returncode == 2 and "another command is writing to --out" in said.stderr and not list((tmp_path / "o").iterdir())
+        assert main([*command[:-1], str(tmp_path / "p")]) == 0
+    assert main(command) == 0 and sorted(each.name for each in (tmp_path / "o").iterdir()) == ["a.ply", "deform.csv"]
+    holding = subprocess.Popen([sys.executable, "-c", "import sys, time; from pymeshlab_fcd import _files\n"
+                                "with _files.alone(sys.argv[1]) as is_alone: print(is_alone, flush=True); time.sleep(60)", str(tmp_path / "o")], stdout=subprocess.PIPE)
+    assert holding.stdout.readline().strip() == b"True"
+    assert "another command is writing to --out" in refused(capsys, command)
+    holding.kill()
+    holding.communicate()
+    assert main(command) == 0
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="streams of a shell")
+def test_nobody_need_listen(tmp_path):
+    vertices, faces, tags, _ = bar(9, 3)
+    for name in "abc":
+        write_ply(tmp_path / f"{name}.ply", vertices, faces, tags)
+    run = f"'{sys.executable}' -m pymeshlab_fcd deform a.ply b.ply c.ply --out o"
+    for line, status in ((f"exec 3>&1; {{ {run} --processes 2; echo $? >&3; }} | true; wait", "141"), (f"{run} >&-; echo $?", "0"), (f"{run} >&- 2>&-; echo $?", "0")):
+        done = subprocess.run(["sh", "-c", line], cwd=tmp_path, capture_output=True, text=True, timeout=120)
+        assert done.stdout.split()[-1] == status and not done.stderr, done
+    assert len(list((tmp_path / "o").glob("*.ply"))) == 3
+
+
+def test_a_table_that_cannot_be_written_is_told(tmp_path, capsys, monkeypatch):
+    from pymeshlab_fcd import _results
+
+    vertices, faces, tags, _ = bar(9, 3)
+    write_ply(tmp_path / "a.ply", vertices, faces, tags)
+
+    def full(*_):
+        raise OSError(28, "No space left on device", "deform.csv")
+
+    monkeypatch.setattr(_results._files, "write", full)
+    assert main(["deform", str(tmp_path / "a.ply"), "--out", str(tmp_path / "o")]) == 1
+    assert "ended: [Errno 28] No space left on device: 'deform.csv'; the same command goes on from here" in capsys.readouterr().err
+
+
+def test_many_files_are_told_apart_at_once(tmp_path, monkeypatch):
+    from pymeshlab_fcd import _batch
+
+    for i in range(400):
+        (tmp_path / f"{i}.ply").write_bytes(b"")
+    looked, stat = [], os.stat
+    monkeypatch.setattr(_files.os, "stat", lambda *given, **more: (looked.append(given), stat(*given, **more))[1])
+    paths = [tmp_path / f"{i}.ply" for i in range(400)]
+    parser = _batch._parser()
+    given = parser.parse_args(["deform", *map(str, paths), "--out", str(tmp_path / "o")])
+    _batch._looked_at(parser, given, paths, {path: tmp_path / "o" / path.name for path in paths})
+    assert len(looked) < 10 * len(paths)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals")

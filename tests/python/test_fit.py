@@ -441,6 +441,7 @@ NOWHERE = np.array([[0, 0, 0.0], [0, 0, 1]])
     (np.zeros((0, 3)), {}, "the target has no vertices"),
     (TARGET + 100, {"largest_distance": 1}, "nothing of the surface has a counterpart on the target"),
     (TARGET * np.nan, {}, "The target has no vertices whose coordinates are finite numbers"),
+    (TARGET * np.nan, {"target_faces": [[0, 1, 2]]}, "The target has no vertices whose coordinates are finite numbers"),
     (TARGET[:1], {}, "All of the target lies at one point or on one line"),
     (TARGET * [0, 0, 1], {}, "All of the target lies at one point or on one line"),
     (TARGET[:, :2], {}, "target_vertices must be n x 3"),

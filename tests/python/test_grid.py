@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from shapes import bar
 
-from pymeshlab_fcd import Deformer
+from pymeshlab_fcd import Deformer, DisplacementGrid
 
 
 @pytest.fixture(scope="module")
@@ -93,4 +93,7 @@ def test_a_grid_covers_a_box_and_says_what_is_wrong(ways, tmp_path):
             ways[0].grid(**given)
     with pytest.raises(ValueError, match="and not as .mha"):
         grid.save(tmp_path / "field.mha")
+    for odd in (1e39, np.nan):
+        with pytest.raises(ValueError, match="the file holds displacements up to 3e38, in single precision"):
+            DisplacementGrid(np.full((2, 2, 2, 3), odd), (0, 0, 0), (1, 1, 1), "LPS", "modeling").save(tmp_path / "field.vti")
     assert not list(tmp_path.iterdir())

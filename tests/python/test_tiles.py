@@ -149,6 +149,13 @@ def test_landmarks_solved_on_thinned_tiles(tiles, tmp_path):
     bend = pymeshlab_fcd.Deformation.load(tmp_path / "bend.ply")
     at = np.array([[50, 50, height(50, 50)], [85, 50, height(85, 50)], [67, 50, height(67, 50)]]) + ORIGIN
     moved = bend(at) - at
+    less = tmp_path / "less.las"
+    less.write_bytes(tiles[0].read_bytes()[:-1000 * laspy.open(tiles[0]).header.point_format.size])
+    for wrong, said in ((["0", str(tiles[0])], "the spacing must be a positive number; it is 0.0."),
+                        (["2", str(tiles[1]), str(less)], f"{less}: it is cut short: it has 19000 of its 20000 points.")):
+        done = subprocess.run([sys.executable, str(EXAMPLES / "solve_thinned.py"), str(tmp_path / "landmarks.csv"), str(tmp_path / "no.ply"), *wrong],
+                              text=True, stderr=subprocess.PIPE, timeout=300)
+        assert done.returncode == 1 and done.stderr == f"{said}\n" and not (tmp_path / "no.ply").exists()
     (tmp_path / "short.csv").write_text("1; 2; 3\n")
     with pytest.raises(ValueError, match="landmark 1 of .*short.csv has 3 numbers; give 6"):
         read(str(tmp_path / "short.csv"))
@@ -222,13 +229,18 @@ def test_a_bad_tile_is_told_at_the_end(sink, tiles, tmp_path):
     bad.write_bytes(b"LASF" + bytes(300))
     cut = tmp_path / "cut.las"
     cut.write_bytes(tiles[0].read_bytes()[:-30000])
+    whole, less, scaleless = tiles[0].read_bytes(), tmp_path / "less.las", tmp_path / "scaleless.las"
+    less.write_bytes(whole[:-1000 * laspy.open(tiles[0]).header.point_format.size])  # by whole points, which laspy does not tell
+    scaleless.write_bytes(whole[:131] + np.array(np.nan, "<f8").tobytes() + whole[139:])
     for script in ("warp_las.py", "warp_las_dask.py"):
         out = tmp_path / script
         done = subprocess.run([sys.executable, str(EXAMPLES / script), str(sink), str(out), str(bad), str(tiles[0]), str(tmp_path / "none.las"),
-                               str(tiles[1]), str(cut)], text=True, capture_output=True, timeout=300)
+                               str(tiles[1]), str(cut), str(less), str(scaleless)], text=True, capture_output=True, timeout=300)
         assert done.returncode == 1 and done.stdout.count("20000 points") == 2
-        said = done.stderr[done.stderr.index("3 tiles could not be deformed:"):]
+        said = done.stderr[done.stderr.index("5 tiles could not be deformed:"):]
         assert all(str(each) in said for each in (bad, cut, tmp_path / "none.las"))
+        assert f"{less}: it is cut short: it has 19000 of its 20000 points" in said
+        assert f"{scaleless}: it has no numbers as scale and offset of its coordinates" in said
         assert sorted(each.name for each in out.iterdir()) == sorted(tile.name for tile in tiles[:2])
 
 

@@ -393,6 +393,13 @@ TEST(Fit, TellsALineFromAPlane) {
     points = {{1e6 + 1, 1, 1}, {1e6 - 1, 1, -1}, {1e6 - 1, -1, -1}, {1e6 + 1, -1, 1}};
     EXPECT_NEAR(AcrossALine(points), std::sqrt(0.5), 1e-9); // a rectangle of 2 by the root of 8
     EXPECT_EQ(AcrossALine({3, Vector3d(1, 1, 1)}), 0);
+    const std::vector<Vector3d> line{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {5, 0, 0}};
+    using Pair = std::pair<std::vector<Vector3d>, std::vector<Vector3d>>;
+    for (const Pair &each : {Pair(points, line), Pair(line, points), Pair(points, {4, points[0]})})
+        EXPECT_NE(MessageOf<BadInput>([&] {
+                      StartFromLandmarks(each.first, each.second, true);
+                  }).find("three of them that are not on a line"),
+                  std::string::npos);
 }
 
 TEST(Fit, SaysWhatCannotBe) {

@@ -222,8 +222,9 @@ TEST(MotionText, SaysWhereWhatWasFoundAndWhatExpected) {
              {"2: scale 2 trailing", 12, {"'trailing'"}},
              {"2: scale 2; garbage", 13, {"tag", "'garbage'"}},
              {nul, 4, {"'trans?late'"}},
-             {"2: \xC3\xA4\xC3\xB6 x", 4, {"'?\?\?\?'"}},
-             {"2: scale 1 \xE2\x82\xAC", 12, {"'?\?\?'"}},
+             {"2: \xC3\xA4\xC3\xB6 x", 4, {"'\xC3\xA4\xC3\xB6'"}},
+             {"2: scale 1 \xE2\x82\xAC", 12, {"'\xE2\x82\xAC'"}},
+             {"2: a\xFF\xE2\x82 x", 4, {"'a?\?\?'"}},
              {"\xFF\xFE\x00", 1, {"tag"}},
          }) {
         const std::string message = MessageOf<Error>([&] { ReadMotionText(c.text); });
@@ -238,6 +239,18 @@ TEST(MotionText, CountsCharactersNotBytes) {
     // Only messages that stand behind such a character can tell; they can only stand behind a bad word.
     const std::string message = MessageOf<Error>([] { ReadMotionText("2: scale 1 about \xC3\xA4 0 0", "Motions"); });
     EXPECT_EQ(message.find("Motions, character 18: "), 0u) << message;
+}
+
+TEST(Words, AreShownAsTheyAreWhereTheyArePrintable) {
+    using detail::Printable;
+    for (const char *good : {"plain ~", "\xC3\xA9", "\xE2\x82\xAC", "\xE0\xA4\x85", "\xED\x9F\xBF", "\xF0\x9F\x98\x80",
+                             "\xF4\x8F\xBF\xBF"})
+        EXPECT_EQ(Printable(good, 40), good);
+    for (const char *bad : {"\x01", "\x7F", "\x80", "\xC3", "\xC1\xA9", "\xC2\x85", "\xE0\x9F\xBF", "\xED\xA0\x80",
+                            "\xF0\x8F\xBF\xBF", "\xF4\x90\x80\x80", "\xF5\x80\x80\x80", "\xE2\x82", "\xFF"})
+        EXPECT_EQ(Printable(bad, 40), std::string(std::strlen(bad), '?'));
+    EXPECT_EQ(Printable("12\xE2\x82\xAC", 4), "12"); // no half of a character
+    EXPECT_EQ(Printable("12\xE2\x82\xAC", 5), "12\xE2\x82\xAC");
 }
 
 TEST(MotionText, CutsALongWordShort) {

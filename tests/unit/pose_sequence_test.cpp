@@ -482,6 +482,30 @@ TEST(GltfFile, DoesNotGrowBeyondItsFormat) {
     EXPECT_TRUE(file.content.empty());
 }
 
+TEST(FrameFiles, RefuseWhatSinglePrecisionCannotHold) {
+    MeshD mesh(Points(Quad()));
+    const Arrays arrays = Read(mesh);
+    const PackedSurface packed{SurfaceView(arrays)};
+    const SurfaceLook look;
+    Matrix3Xd position = SurfaceView(arrays).Copy();
+    Bytes file;
+    const std::string tooFar = "The file holds coordinates up to 3e38, in single precision, and a vertex is farther "
+                               "away. Scale the scene, or leave that mesh out.";
+    MorphAnimation late = FramesOf(2);
+    late.time = {1e9, 1e9 + 1};
+    EXPECT_EQ(MessageOf<BadInput>([&] {
+                  GltfFile(file.Write(), {{"late", packed, look, position, position}}, late);
+              }),
+              "A .glb file holds times in single precision, in which some frames would be at the same time. Let the "
+              "first key frame be nearer to 0 s.");
+    position *= 1e200;
+    EXPECT_EQ(MessageOf<BadInput>([&] {
+                  GltfFile(file.Write(), {{"far", packed, look, position, position}}, FramesOf(2));
+              }),
+              tooFar);
+    EXPECT_EQ(MessageOf<BadInput>([&] { PointCacheFile(file.Write(), packed, 1, 0).Add(position); }), tooFar);
+}
+
 TEST(GltfFile, OfManyFramesHoldsOnlyTheWeightsThatAreNotZero) {
     MeshD mesh(Points(Quad()));
     const Arrays arrays = Read(mesh);

@@ -318,6 +318,21 @@ TEST(LineMotion, MovesCrossSectionsRigidlyAndTellsItsGradient) {
               1e-9);
 }
 
+TEST(LineMotion, TakesDirectionsOfAnyLength) {
+    LineGoal goal;
+    goal.line = Points({{0, 0, 0}, {1, 0, 0}, {2, 1, 0}});
+    goal.arc.degrees = 90;
+    const auto end = [&](double size) {
+        goal.arc.direction = Vector3d(0, 0, 1) * size;
+        goal.arc.towards = Vector3d(1, 0, 1) * size;
+        const LineMotion motion = MotionTo(goal);
+        const double length = motion.From().Length();
+        return Vector3d(motion.At(length, motion.From().At(length).point).position);
+    };
+    for (double size : {1e-310, 1e-200, 1e200, 1e307})
+        EXPECT_LT((end(size) - end(1)).norm(), 1e-9) << size;
+}
+
 TEST(LineMotion, RefusesLinesThatLeadNowhere) {
     LineGoal goal;
     goal.line = Points({{0, 0, 0}, {1, 0, 0}, {2, 1, 0}});

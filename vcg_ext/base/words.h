@@ -55,7 +55,10 @@ bool ToNumber(const char *first, const char *last, Number &value) {
 /// Whether [first, last) is a number or, by how it begins, is meant as one.
 bool LooksLikeNumber(const char *first, const char *last);
 
-/// What stands in text[begin, end), for messages: cut short, and '?' for all but printable ASCII.
+/// \p text for messages: '?' for bytes that are no UTF-8 and for control characters; at most so many \p bytes.
+std::string Printable(const std::string &text, std::size_t bytes);
+
+/// What stands in text[begin, end), for messages: in quotes, printable, and cut short.
 std::string Excerpt(const std::string &text, std::size_t begin, std::size_t end);
 
 /// A text that is read from its begin on, line by line. A line ends with LF, CR LF or CR.

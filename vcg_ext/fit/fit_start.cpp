@@ -32,7 +32,7 @@ Eigen::Affine3d StartFromLandmarks(const std::vector<Eigen::Vector3d> &from, con
         a.col(i) = from[std::size_t(i)];
         b.col(i) = to[std::size_t(i)];
     }
-    if (AcrossALine(from) > 1e-6) // more than what rounding leaves
+    if (std::min(AcrossALine(from), AcrossALine(to)) > 1e-6) // more than what rounding leaves
         return Eigen::Affine3d(Eigen::umeyama(a, b, similar));
     throw BadInput("A start from landmarks needs three of them that are not on a line, better four or more. Give more "
                    "landmarks, or start from where the layers lie.");

@@ -92,6 +92,12 @@ FitTarget::FitTarget(const SurfaceView &target, const std::function<Eigen::Vecto
             throw BadInput(
                 "The weights of the target are 0 all over, so nothing of it can be matched. Give what counts "
                 "one up to 1.");
+        std::size_t i = 0;
+        while (i < part.view.vertexSlots && part.view.IsDeleted(i))
+            ++i;
+        if (i == part.view.vertexSlots)
+            throw BadInput("The target has no vertices" +
+                           std::string(leftOut > 0 ? " whose coordinates are finite numbers." : "."));
         if (isCloud)
             ReadPoints(part.view, normalOf, toFrame, weightOf);
         else
@@ -176,12 +182,10 @@ void FitTarget::ReadPoints(const SurfaceView &target, const std::function<Eigen:
     position = Eigen::Matrix3Xd::Zero(3, Eigen::Index(target.vertexSlots));
     if (normalOf)
         normal = Eigen::Matrix3Xf::Zero(3, position.cols());
-    std::size_t points = 0;
     const Eigen::Matrix3d turn = toFrame.linear().inverse().transpose();
     for (std::size_t i = 0; i < target.vertexSlots; ++i)
         if (!target.IsDeleted(i)) {
             flags[i] = inside;
-            ++points;
             position.col(Eigen::Index(i)) = toFrame * target.At(i);
             if (weightOf)
                 weight[i] = float(weightOf(i));
@@ -190,9 +194,6 @@ void FitTarget::ReadPoints(const SurfaceView &target, const std::function<Eigen:
                 normal.col(Eigen::Index(i)) = its.stableNormalized().cast<float>();
             moments.Add(position.col(Eigen::Index(i)), 1);
         }
-    if (points == 0)
-        throw BadInput("The target has no vertices" +
-                       std::string(leftOut > 0 ? " whose coordinates are finite numbers." : "."));
 }
 
 FitTarget::Shape FitTarget::Spans() const {

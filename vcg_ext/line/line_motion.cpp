@@ -60,6 +60,12 @@ Eigen::Matrix3Xd ArcPoints(const Eigen::Vector3d &middle, const Eigen::Vector3d 
     return points;
 }
 
+/// Not so long or short that its square is none.
+static Eigen::Vector3d Usable(const Eigen::Vector3d &direction) {
+    const double size = direction.cwiseAbs().maxCoeff();
+    return size > 0 && !(size > 1e-100 && size < 1e100) ? Eigen::Vector3d(direction / size) : direction;
+}
+
 FramedLine ArcInPlaceOf(const FramedLine &line, double length, const ArcParam &param) {
     if (!(std::abs(param.degrees) < 360))
         throw BadInput("An arc bends by less than 360 degrees to either side.");
@@ -67,7 +73,8 @@ FramedLine ArcInPlaceOf(const FramedLine &line, double length, const ArcParam &p
         throw BadInput("The direction of the arc, and where it bends to, must be finite.");
     const FramedLine::Frame begin = line.At(0), middle = line.At(line.Length() / 2), end = line.At(line.Length());
     // As long as a hair against the line: then it has no direction from end to end.
-    Eigen::Vector3d direction = param.direction;
+    Eigen::Vector3d direction = Usable(param.direction);
+    const Eigen::Vector3d aim = Usable(param.towards);
     if (direction.isZero(0)) {
         direction = end.point - begin.point;
         if (direction.norm() < 1e-3 * line.Length())
@@ -75,10 +82,10 @@ FramedLine ArcInPlaceOf(const FramedLine &line, double length, const ArcParam &p
     }
     direction.normalize();
     const auto across = [&](const Eigen::Vector3d &v) { return Eigen::Vector3d(v - v.dot(direction) * direction); };
-    Eigen::Vector3d towards = across(param.towards);
-    if (!param.towards.isZero(0) && towards.norm() < 1e-6 * param.towards.norm())
+    Eigen::Vector3d towards = across(aim);
+    if (!aim.isZero(0) && towards.norm() < 1e-6 * aim.norm())
         throw BadInput("The arc cannot bend in its own direction. Let it bend to a side.");
-    if (param.towards.isZero(0)) {
+    if (aim.isZero(0)) {
         towards = across(end.axes.col(0) - begin.axes.col(0)); // as its ends turn
         if (towards.norm() < 1e-3)
             towards = across(middle.axes.col(1));

@@ -36,6 +36,9 @@ void WriteRows(const WriteAt &write, std::uint64_t at, const PackedSurface &surf
             for (std::size_t i = begin; i < end; ++i)
                 Eigen::Map<Eigen::Vector3f>(numbers.data() + 3 * i) = row(surface.slot[first + i]);
         });
+        if (!Eigen::Map<const Eigen::ArrayXf>(numbers.data(), Eigen::Index(3 * (last - first))).isFinite().all())
+            throw BadInput("The file holds coordinates up to 3e38, in single precision, and a vertex is farther away. "
+                           "Scale the scene, or leave that mesh out.");
         write(at + 12 * std::uint64_t(first), reinterpret_cast<const char *>(numbers.data()), 12 * (last - first));
     }
 }

@@ -7,6 +7,7 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <utility>
 
@@ -139,6 +140,9 @@ void GltfFile::WriteTimes() {
     std::vector<float> seconds(times);
     std::transform(animation.time.begin(), animation.time.end(), seconds.begin(),
                    [](double time) { return float(time); });
+    if (std::adjacent_find(seconds.begin(), seconds.end(), std::greater_equal<float>()) != seconds.end())
+        throw BadInput("A .glb file holds times in single precision, in which some frames would be at the same time. "
+                       "Let the first key frame be nearer to 0 s.");
     parts[0].low[0] = seconds.front();
     parts[0].high[0] = seconds.back();
     assert(parts[0].bytes == 4 * seconds.size() && parts[1].bytes == 4 * weights.size());
