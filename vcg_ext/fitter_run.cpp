@@ -1,48 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A fit, from where it begins to where it comes to rest.
 #include <vcg_ext/base/elementary.h>
-#include <vcg_ext/fit.h>
-#include <vcg_ext/fit/fit_contradictions.h>
-#include <vcg_ext/fit/fit_curves.h>
-#include <vcg_ext/fit/fit_gaps.h>
 #include <vcg_ext/fit/fit_landmarks.h>
-#include <vcg_ext/fit/fit_matches.h>
-#include <vcg_ext/fit/fit_parts.h>
 #include <vcg_ext/fit/fit_start.h>
-#include <vcg_ext/fit/fit_system.h>
 #include <vcg_ext/fit/fit_target.h>
+#include <vcg_ext/fitter_run.h>
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <utility>
 
 namespace vcg::fcd {
 
 namespace {
 
-// Of Eq. 2 over A against the mean square of the distances, chosen on the training half of tests/fit_recipes.py
-// (armadillo, bunny, head; posed by CGAL) and on the half tube of tests/host_fit.py: stiff enough that limbs follow
-// their roots and nothing slides along the surface, soft enough that it reaches the target.
-constexpr double stiffest = 1e-2, softest = 1e-6;
 // The last steps, of all: it has arrived, and is as soft as it gets.
 constexpr double lastSteps = 0.2;
-// It is at rest when this is left to move, of the diagonal, root mean square: a tenth of what fits of clean scans are
-// off by; or when a step moves it by no more: a smooth shape may slide along itself for hundreds of steps.
-constexpr double rest = 1e-4;
 // It gets softer by a step's share, and up to so many times that, the less it moves: what moves by more than that, of
 // the diagonal, is still on its way, and so to be found by what is stiff.
 constexpr double hurry = 2, onItsWay = 1e-3;
-// Where it follows the target's noise, it gets stiffer, by so much and as often as this, in so many steps each: as long
-// as this share of what it followed is left, the distances grow by no more than this (Morozov's discrepancy principle),
-// and no more than this comes off the target. What slides along the target shows in none of these, so it ends there.
-// Chosen on 32 shapes made by formula, smooth, with relief, open and halved: one is worse by 2 %, the others are not.
-constexpr double stiffer = 3, noiseLeft = 0.6, mostNoise = 1.07, comesOff = 0.0005;
-constexpr int stifferTimes = 2, stifferSteps = 6;
-// A gap may be as stiff as leaves what lies around it no farther from the target than this often what it is without
-// (Morozov's discrepancy principle): its own noise, and hardly more.
-constexpr double mostMisfit = 1.2;
-constexpr int gapSteps = 6;
 // Of the target: fits that have arrived leave a thousandth unreached at most (24 of people and beasts turned at their
 // joints). Where it is more, a limb may not have been found, or the source lacks it. Matched both ways, a limb that is
 // found brings more of the source onto the target, and leaves nothing; surface that is drawn over what the source lacks
@@ -57,73 +33,6 @@ constexpr double aLimb = 0.01;
 constexpr double pressed = 0.25, farLess = 0.5;
 
 } // namespace
-
-/// A fit of one surface to one target, on its way.
-class Fitter::Run {
-  public:
-    /// \param report out: what Solve tells of it; must outlive this
-    /// \param progress of the first twentieth of the work
-    Run(const Fitter &fitter, const FitTarget &target, const std::vector<Landmark> &landmark, FitReport &report,
-        const Progress &progress);
-
-    /// \throw BadInput, Unsolvable, Cancelled as Fitter::Solve
-    Deformer::Pose Solve(const Progress &progress);
-
-  private:
-    /// A fit that is set aside while another one is tried.
-    struct Kept {
-        GraphPose graph;
-        FitReport report;
-        std::unique_ptr<FitMatches> matches;
-    };
-
-    std::vector<char> FreeNodes() const;
-    double SoftEnd() const { return softest * param.stiffness; }
-    std::vector<double> Alike(double stiffness) const { return std::vector<double>(isFree.size(), stiffness); }
-    void MatchAnew(bool bothWays);
-    void Find(double part) { matches->Find(graph, part, threads, pull); }
-    double Step(double part, const std::vector<double> &stiffness);
-    void Soften(const Progress &progress);
-    void Draw(const Progress &progress);
-    void TryBothWays(const Progress &progress);
-    double Settle(const Progress &progress);
-    void StiffenGaps(double end, const Progress &progress);
-    void Lay(const Progress &progress);
-    double OnIt() const { return report.matched - matches->Unreached(); }
-    void TryOtherStarts(const Progress &progress);
-    void TryWithout(const std::vector<Contradiction> &doubted, const Progress &progress);
-    void Finish(const Progress &progress);
-    Kept SetAside() { return {graph, report, std::move(matches)}; }
-    void TakeBack(Kept &&kept);
-
-    const Fitter &fitter;
-    const FitParam &param;
-    const FitTarget &target;
-    FitReport &report;
-    const RegionDeformer &region;
-    const unsigned threads;
-    const double scale;     // of the frame
-    const double tolerance; // of landmarks, frame units
-    const bool isAlone;     // landmarks lead alone: nothing is matched
-    Deformer::Pose all;
-    RegionPose &pose;
-    GraphPose &graph;
-    const FitSamples samples; // that are matched
-    const std::size_t matched;
-    FitSamples drawn;                         // these, then the landmarks, then what lies on curves
-    const std::vector<Eigen::Vector3d> place; // where landmarks belong
-    const FitCurves curves;
-    const bool isLed; // by a landmark or a curve
-    FitParts parts;
-    const std::vector<char> isAnyFree, isFree; // flags of the graph's nodes; and those that something leads
-    FitSystem system;
-    MatchParam how;
-    std::unique_ptr<FitMatches> matches;
-    std::vector<char> leads; // the landmarks and places of curves that it follows
-    std::vector<FitSystem::Pull> pull;
-    const GraphPose asItLies; // from where it may be moved as a whole
-    GraphPose start;          // so
-};
 
 Fitter::Run::Run(const Fitter &fitter, const FitTarget &target, const std::vector<Landmark> &landmark,
                  FitReport &report, const Progress &progress)
@@ -185,7 +94,7 @@ void Fitter::Run::Soften(const Progress &progress) {
     double part = 0, last = 0; // how far from stiff to soft; the move before
     for (int step = 0; step < param.fitSteps && !report.converged; ++step) {
         progress(double(step) / param.fitSteps, "Fitting");
-        const double moved = Step(part, Alike(stiffest * detail::Power(SoftEnd() / stiffest, part)));
+        const double moved = Step(part, AllOf(stiffest * detail::Power(SoftEnd() / stiffest, part)));
         report.steps = step + 1;
         // As a geometric series, the moves that are left add up to moved^2 / (last - moved).
         report.converged = part >= 1 && (moved <= rest || moved * moved <= rest * (last - moved));
@@ -213,49 +122,6 @@ void Fitter::Run::TryBothWays(const Progress &progress) {
     report.bothWays = matches->Unreached() <= mostUnreached && report.matched > oneWay.report.matched;
     if (!report.bothWays)
         TakeBack(std::move(oneWay));
-}
-
-/// What has arrived follows no more of the target's noise than it must. \return the stiffness that this leaves
-double Fitter::Run::Settle(const Progress &progress) {
-    const FitReport before = report;
-    const std::size_t on = fitter.CountOn(*matches, before);
-    const double alike = report.converged && !isAlone ? matches->Alike() : 0;
-    double end = SoftEnd();
-    for (int k = 0; k < stifferTimes && alike < 0; ++k) {
-        progress(0.9, "Fitting");
-        const GraphPose softer = graph;
-        for (int step = 0; step < stifferSteps && Step(1, Alike(stiffer * end)) > rest / 3; ++step)
-            ;
-        Find(1);
-        fitter.Measure(*matches, report);
-        if (matches->Alike() > noiseLeft * alike || report.rms > mostNoise * before.rms ||
-            double(fitter.CountOn(*matches, before)) < (1 - comesOff) * double(on)) {
-            graph = softer;
-            Find(1);
-            break;
-        }
-        end *= stiffer;
-    }
-    return end;
-}
-
-/// As stiff as what lies around them bears. \param end the stiffness elsewhere
-void Fitter::Run::StiffenGaps(double end, const Progress &progress) {
-    const FitGaps gaps(region, *matches, samples);
-    const double bearable = std::max(mostMisfit * gaps.Misfit(*matches), FitMatches::least);
-    const GraphPose without = graph;
-    bool isStiff = !gaps.Any();
-    for (double stiff = stiffest; !isStiff; stiff /= 10) {
-        graph = without;
-        if (stiff > 2 * end) { // else it stays as it is
-            const std::vector<double> stiffness = gaps.Stiffness(end, stiff);
-            for (int step = 0; step < gapSteps && Step(1, stiffness) > rest / 10; ++step)
-                progress(0.95, "Fitting");
-        }
-        Find(1);
-        isStiff = stiff <= 2 * end || gaps.Misfit(*matches) <= bearable;
-    }
-    fitter.Measure(*matches, report);
 }
 
 /// All of a fit, from the start.
