@@ -211,6 +211,9 @@ class Fitter {
     void PutLandmarks(const std::vector<Landmark> &landmark, Eigen::Ref<Eigen::Matrix3Xd> position) const;
 
   private:
+    class Run;
+    Deformer::Pose AtRest(const Progress &progress) const;
+    FitSamples Matched(const RegionPose &pose) const;
     Eigen::Affine3d ToFrame(const Eigen::Affine3d &world) const;
     Eigen::Affine3d Start(const FitTarget &target, const FitSamples &samples, std::size_t matched,
                           const std::vector<Eigen::Vector3d> &place, FitReport &report, unsigned threads) const;

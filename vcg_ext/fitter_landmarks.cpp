@@ -219,7 +219,7 @@ Eigen::Affine3d Fitter::Start(const FitTarget &target, const FitSamples &samples
     std::vector<Eigen::Vector3d> from;
     const bool byAxes = param.start == FitStart::TriedAxes || report.fromAfar;
     const auto &node = samples.surfaceNode;
-    for (std::size_t s = byAxes ? 0 : matched; s < (byAxes ? matched : samples.Size()); ++s)
+    for (std::size_t s = byAxes ? 0 : matched; s < (byAxes ? matched : matched + place.size()); ++s)
         from.emplace_back(deformer->Whole().surface.graph.position.col(node[s]).cast<double>());
     if (report.fromAfar)
         return StartFromAfar(from, sampleNormal, target, threads, report.isSureFromAfar);

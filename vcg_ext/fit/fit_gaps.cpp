@@ -49,11 +49,10 @@ FitGaps::FitGaps(const RegionDeformer &deformer, const FitMatches &matches, cons
             around.push_back(s);
 }
 
-std::vector<double> FitGaps::Stiffness(double soft, double stiff) const {
-    std::vector<double> result = gap;
-    for (double &each : result)
-        each = soft * detail::Power(stiff / soft, each);
-    return result;
+std::vector<double> FitGaps::Stiffness(std::vector<double> soft, double stiff) const {
+    for (std::size_t j = 0; j < soft.size(); ++j)
+        soft[j] *= detail::Power(std::max(stiff / soft[j], 1.0), gap[j]);
+    return soft;
 }
 
 double FitGaps::Misfit(const FitMatches &matches) const {

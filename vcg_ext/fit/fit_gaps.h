@@ -18,8 +18,9 @@ class FitGaps {
 
     /// Whether there is any, with something around it.
     bool Any() const { return !around.empty(); }
-    /// Of each node of the graph: \p stiff in the gaps, \p soft elsewhere, > 0; geometrically between at their rims.
-    std::vector<double> Stiffness(double soft, double stiff) const;
+    /// Of each node of the graph: \p stiff in the gaps, where it is not stiffer; \p soft elsewhere, > 0;
+    /// geometrically between at their rims.
+    std::vector<double> Stiffness(std::vector<double> soft, double stiff) const;
     /// Root mean square distance from the target of the samples around the gaps that had a match, frame units.
     double Misfit(const FitMatches &matches) const;
 

@@ -176,6 +176,14 @@ double FitMatches::Unreached() const {
     return double(unreached) / double(reach.size());
 }
 
+double FitMatches::Noise() const {
+    std::vector<double> far;
+    for (std::size_t s = 0; s < Size(); ++s)
+        if (counts[s])
+            far.push_back(std::abs(normal[s].normalized().dot(at[s] - match[s].point)));
+    return 1.4826 * Quantile(far, 0.5);
+}
+
 double FitMatches::Alike() {
     for (std::size_t s = 0; s < Size() && beside.size() < neighbours * places; s += 1 + (Size() - 1) / places) {
         int found = 0;

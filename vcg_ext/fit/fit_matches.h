@@ -49,6 +49,10 @@ class FitMatches {
     /// Below 0, the surface follows some of the noise. 1 where there are no such places
     double Alike();
 
+    /// The standard deviation of the distances across the target where they count, as their median tells it (Huber
+    /// 1981), frame units.
+    double Noise() const;
+
     /// The share of the target's places that are not reached where the samples are now, [0, 1].
     double Unreached() const;
 

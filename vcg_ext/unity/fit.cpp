@@ -19,3 +19,5 @@
 #include <vcg_ext/fitter_landmarks.cpp>       // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fitter_param.cpp>           // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fitter_report.cpp>          // NOLINT(bugprone-suspicious-include)
+#include <vcg_ext/fitter_run.cpp>             // NOLINT(bugprone-suspicious-include)
+#include <vcg_ext/fitter_settle.cpp>          // NOLINT(bugprone-suspicious-include)

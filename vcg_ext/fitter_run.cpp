@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A fit, from where it begins to where it comes to rest.
+#include <vcg_ext/base/elementary.h>
+#include <vcg_ext/fit/fit_landmarks.h>
+#include <vcg_ext/fit/fit_start.h>
+#include <vcg_ext/fit/fit_target.h>
+#include <vcg_ext/fitter_run.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace vcg::fcd {
+
+namespace {
+
+// The last steps, of all: it has arrived, and is as soft as it gets.
+constexpr double lastSteps = 0.2;
+// It gets softer by a step's share, and up to so many times that, the less it moves: what moves by more than that, of
+// the diagonal, is still on its way, and so to be found by what is stiff.
+constexpr double hurry = 2, onItsWay = 1e-3;
+// Of the target: fits that have arrived leave a thousandth unreached at most (24 of people and beasts turned at their
+// joints). Where it is more, a limb may not have been found, or the source lacks it. Matched both ways, a limb that is
+// found brings more of the source onto the target, and leaves nothing; surface that is drawn over what the source lacks
+// comes off elsewhere.
+constexpr double mostUnreached = 0.002;
+// Of surface and target: what a landmark must lead onto each other if it shall be right against the others although it
+// tears the surface, and what it must keep off each other if it shall be wrong although it only strains it. A patch of
+// 150 has two thirds of that, and a limb is one at least.
+constexpr double aLimb = 0.01;
+// Strain of edges (rms) above which other starts are tried, and the share of it that one must leave. Shapes made by
+// formula had 0.36 and more where they lay turned, and 0.19 (a hand with touching fingers) where they lay right.
+constexpr double pressed = 0.25, farLess = 0.5;
+
+} // namespace
+
+Fitter::Run::Run(const Fitter &fitter, const FitTarget &target, const std::vector<Landmark> &landmark,
+                 FitReport &report, const Progress &progress)
+    : fitter(fitter), param(fitter.param), target(target), report(report), region(fitter.deformer->Whole()),
+      threads(progress.threads), scale(region.surface.frame.scale), tolerance(param.landmarkTolerance / scale),
+      isAlone(fitter.FollowsAlone()), all(fitter.AtRest(progress)), pose(all.region[0]), graph(pose.graph),
+      samples(fitter.Matched(pose)), matched(samples.Size()), drawn(samples), place(fitter.Lead(landmark, pose, drawn)),
+      curves(target.curves, fitter.deformer->nodeOf, region, pose, drawn), isLed(drawn.Size() > matched),
+      parts(region, isAlone ? drawn.From(matched) : drawn, isAlone ? 0 : matched), isAnyFree(FreeNodes()),
+      isFree(parts.Led(isAnyFree)), system(region, isFree, drawn, param.smoothness, param.rigidity),
+      leads(drawn.Size() - matched, 1), pull(drawn.Size()), asItLies(graph), start(graph) {
+    how.farthest = param.largestDistance / scale;
+    how.edge = detail::Cosine(param.largestAngle * detail::pi / 180);
+    how.spacing = std::sqrt(std::max(region.surface.area, 1e-12) / double(std::max<std::size_t>(matched, 1)));
+    report.counted = fitter.CountedShare();
+    if (!isAlone)
+        fitter.Judge(target, PlacementOf(samples.Places(matched, graph), target, threads), isLed, report);
+    if (param.start != FitStart::AsItLies || report.fromAfar)
+        start = Moved(graph, fitter.Start(target, drawn, matched, place, report, threads));
+    graph = start;
+}
+
+/// Flags of the graph's nodes.
+std::vector<char> Fitter::Run::FreeNodes() const {
+    std::vector<char> free(std::size_t(region.graph.Size()));
+    for (Index j = 0; j < region.graph.Size(); ++j)
+        free[std::size_t(j)] = region.held.tag[std::size_t(region.patches.center[std::size_t(j)])] == 1;
+    return free;
+}
+
+void Fitter::Run::TakeBack(Kept &&kept) {
+    graph = std::move(kept.graph);
+    report = std::move(kept.report);
+    matches = std::move(kept.matches);
+}
+
+void Fitter::Run::MatchAnew(bool bothWays) {
+    how.bothWays = bothWays;
+    matches = std::make_unique<FitMatches>(target, samples, how);
+}
+
+/// \param part how much of the fit has passed, [0, 1] \return root mean square of the nodes' moves
+double Fitter::Run::Step(double part, const std::vector<double> &stiffness) {
+    Find(part);
+    for (std::size_t l = 0; l < place.size(); ++l)
+        pull[matched + l] =
+            leads[l] ? LandmarkPull(tolerance, place[l], drawn.At(matched + l, graph), 10 / double(place.size()))
+                     : FitSystem::Pull();
+    curves.Find(drawn, graph, pull);
+    const auto change = system.Step(graph, pull, stiffness, threads);
+    FitSystem::Take(change, graph);
+    return std::sqrt(change.bottomRows<3>().squaredNorm() / double(std::max<std::size_t>(isFree.size(), 1)));
+}
+
+/// From stiff to soft.
+void Fitter::Run::Soften(const Progress &progress) {
+    const double pace = 1 / ((1 - lastSteps) * (param.fitSteps - 1));
+    report.converged = false;
+    double part = 0, last = 0; // how far from stiff to soft; the move before
+    for (int step = 0; step < param.fitSteps && !report.converged; ++step) {
+        progress(double(step) / param.fitSteps, "Fitting");
+        const double moved = Step(part, AllOf(stiffest * detail::Power(SoftEnd() / stiffest, part)));
+        report.steps = step + 1;
+        // As a geometric series, the moves that are left add up to moved^2 / (last - moved).
+        report.converged = part >= 1 && (moved <= rest || moved * moved <= rest * (last - moved));
+        last = moved;
+        part = std::min(1.0, part + pace * std::clamp(onItsWay / std::max(moved, 1e-12), 1.0, hurry));
+    }
+    Find(1); // where it is now
+    fitter.Measure(*matches, report);
+}
+
+/// From stiff to soft, from the start.
+void Fitter::Run::Draw(const Progress &progress) {
+    graph = start;
+    report.bothWays = param.bothWays;
+    MatchAnew(param.bothWays);
+    Soften(progress);
+}
+
+/// Takes what matching both ways gives, if it reaches more.
+void Fitter::Run::TryBothWays(const Progress &progress) {
+    Kept oneWay = SetAside();
+    MatchAnew(true);
+    graph = start;
+    Soften(progress);
+    report.bothWays = matches->Unreached() <= mostUnreached && report.matched > oneWay.report.matched;
+    if (!report.bothWays)
+        TakeBack(std::move(oneWay));
+}
+
+/// All of a fit, from the start.
+void Fitter::Run::Lay(const Progress &progress) {
+    Draw(progress.Slice(0, 0.6));
+    if (!param.bothWays && matches->Unreached() > mostUnreached)
+        TryBothWays(progress.Slice(0.6, 0.9));
+    StiffenGaps(Settle(progress), progress);
+}
+
+/// Takes another start if the surface is far less strained from there, and lies on the target by as much.
+void Fitter::Run::TryOtherStarts(const Progress &progress) {
+    const double strained = StrainOf(region, graph), on = OnIt() - aLimb;
+    if (!(strained > pressed) || !fitter.MayBegin(report, isLed))
+        return;
+    Kept asItLay = SetAside();
+    double least = farLess * strained;
+    Eigen::Affine3d began = Eigen::Affine3d::Identity();
+    const std::vector<Eigen::Affine3d> motions =
+        OtherStarts(samples.Places(matched, asItLies), fitter.sampleNormal, target, threads);
+    const double each = 0.75 / double(motions.size());
+    for (std::size_t m = 0; m < motions.size() && least >= farLess * farLess * strained; ++m) {
+        const GraphPose best = std::exchange(start, Moved(asItLies, motions[m]));
+        Draw(progress.Slice(double(m) * each, double(m + 1) * each));
+        if (const double strain = StrainOf(region, graph); strain < least && OnIt() >= on) {
+            least = strain;
+            began = motions[m];
+        } else {
+            start = best;
+        }
+    }
+    if (least < farLess * strained) {
+        report = asItLay.report;
+        Lay(progress.Slice(0.75, 1));
+        report.scaledBy = began.linear().col(0).norm();
+        report.turnedBy = detail::ArcCosine((began.linear().trace() / report.scaledBy - 1) / 2);
+    } else {
+        TakeBack(std::move(asItLay));
+        report.strained = strained;
+    }
+}
+
+/// A landmark that the target bears out leads more of the surface onto it. With a tolerance, those that it does not
+/// bear out are left out; else they are named.
+void Fitter::Run::TryWithout(const std::vector<Contradiction> &doubted, const Progress &progress) {
+    const double withAll = OnIt();
+    Kept kept = SetAside();
+    for (const Contradiction &each : doubted)
+        leads[each.landmark] = 0;
+    Lay(progress);
+    const double enough = std::max({tolerance, noHand, 3 * report.nearest / scale});
+    report.contradicted.clear();
+    for (const auto &[l, strain] : doubted) {
+        leads[l] = (drawn.At(matched + l, graph) - place[l]).norm() <= enough;
+        if (!leads[l] && (isAlone || OnIt() >= withAll + (strain >= tornStrain ? -aLimb : aLimb)))
+            report.contradicted.push_back(l);
+    }
+    report.leftOut = tolerance > 0 && !report.contradicted.empty();
+    if (!report.leftOut) {
+        kept.report.contradicted = std::move(report.contradicted);
+        TakeBack(std::move(kept));
+        leads.assign(leads.size(), 1);
+    }
+}
+
+/// Puts landmarks where they belong, carries what nothing leads, and measures.
+void Fitter::Run::Finish(const Progress &progress) {
+    report.insideOut = matches->IsInsideOut();
+    if (report.insideOut && !report.converged && place.empty()) // as of what was mirrored by negating a coordinate
+        report.mirrored = true;
+    if (!isAlone) {
+        parts.Judge(
+            *matches, [&](std::size_t s) { return fitter.IsOn(*matches, s, report); }, leads);
+        matches->LeaveOut(parts.CarriedSamples());
+    }
+    fitter.Arrive(drawn, matched, place, leads, parts.Led(isFree), graph, report, progress);
+    parts.Carry(isAnyFree, param.smoothness, param.rigidity, stiffest, graph, threads);
+    report.curves = curves.Farthest(drawn, graph) * scale;
+    report.carried = parts.Carried();
+    report.carriedNode = parts.CarriedNodes();
+    pose.solved.position = graph.position;
+    pose.solved.linear = graph.linear;
+    pose.solved.rests = graph.rests;
+    graph.converged = all.converged = report.converged;
+    MeasureEnergy(region.graph, param.smoothness * region.surface.area, graph);
+    all.energy = graph.energy * scale * scale;
+    fitter.Measure(*matches, report);
+    fitter.MeasureGuess(*matches, drawn, isAnyFree, leads, graph, report);
+}
+
+Deformer::Pose Fitter::Run::Solve(const Progress &progress) {
+    const std::vector<Contradiction> doubted =
+        fitter.Doubted(drawn, matched, place, isFree, graph, progress.Slice(0.05, 0.1));
+    const bool isTried = !doubted.empty() && (!isAlone || tolerance > 0);
+    Lay(progress.Slice(0.1, isTried ? 0.5 : 0.9));
+    for (const Contradiction &each : doubted)
+        report.contradicted.push_back(each.landmark);
+    TryOtherStarts(progress.Slice(0.9, 0.98));
+    if (isTried)
+        TryWithout(doubted, progress.Slice(0.5, 0.98));
+    Finish(progress.Slice(0.98, 1));
+    progress(1, "Fitting");
+    return std::move(all);
+}
+
+/// The pose at rest, with what the graph's solution starts from.
+Deformer::Pose Fitter::AtRest(const Progress &progress) const {
+    Deformer::Pose all = deformer->Solve(handles, param, progress);
+    RegionPose &pose = all.region[0];
+    pose.solved.moves = true;
+    pose.graph = pose.solved;
+    pose.graph.rests.assign(std::size_t(deformer->Whole().graph.Size()), 0);
+    return all;
+}
+
+/// Samples of the surface that are matched.
+FitSamples Fitter::Matched(const RegionPose &pose) const {
+    FitSamples samples;
+    samples.isAffine = param.rigidity < 1;
+    for (Index node : sample)
+        samples.Add(deformer->Whole(), pose, node);
+    samples.normal = sampleNormal;
+    for (std::size_t s = 0; s < samples.Size() && !nodeWeight.empty(); ++s)
+        samples.weight[s] = double(nodeWeight[std::size_t(sample[s])]);
+    return samples;
+}
+
+Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark> &landmark, FitReport &report,
+                             const Progress &progress) const {
+    return Run(*this, target, landmark, report, progress.Slice(0, 0.05)).Solve(progress);
+}
+
+} // namespace vcg::fcd

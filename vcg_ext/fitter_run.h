@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_FITTER_RUN_H
+#define VCG_FCD_FITTER_RUN_H
+
+#include <vcg_ext/fit.h>
+#include <vcg_ext/fit/fit_contradictions.h>
+#include <vcg_ext/fit/fit_curves.h>
+#include <vcg_ext/fit/fit_matches.h>
+#include <vcg_ext/fit/fit_parts.h>
+#include <vcg_ext/fit/fit_system.h>
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace vcg::fcd {
+
+/// A fit of one surface to one target, on its way.
+class Fitter::Run {
+  public:
+    /// \param report out: what Solve tells of it; must outlive this
+    /// \param progress of the first twentieth of the work
+    Run(const Fitter &fitter, const FitTarget &target, const std::vector<Landmark> &landmark, FitReport &report,
+        const Progress &progress);
+
+    /// \throw BadInput, Unsolvable, Cancelled as Fitter::Solve
+    Deformer::Pose Solve(const Progress &progress);
+
+  private:
+    // Of Eq. 2 over A against the mean square of the distances, chosen on the training half of tests/fit_recipes.py
+    // (armadillo, bunny, head; posed by CGAL) and on the half tube of tests/host_fit.py: stiff enough that limbs follow
+    // their roots and nothing slides along the surface, soft enough that it reaches the target.
+    static constexpr double stiffest = 1e-2, softest = 1e-6;
+    // It is at rest when this is left to move, of the diagonal, root mean square: a tenth of what fits of clean scans
+    // are off by; or when a step moves it by no more: a smooth shape may slide along itself for hundreds of steps.
+    static constexpr double rest = 1e-4;
+
+    /// A fit that is set aside while another one is tried.
+    struct Kept {
+        GraphPose graph;
+        FitReport report;
+        std::unique_ptr<FitMatches> matches;
+    };
+
+    std::vector<char> FreeNodes() const;
+    double SoftEnd() const { return softest * param.stiffness; }
+    std::vector<double> AllOf(double stiffness) const { return std::vector<double>(isFree.size(), stiffness); }
+    void MatchAnew(bool bothWays);
+    void Find(double part) { matches->Find(graph, part, threads, pull); }
+    double Step(double part, const std::vector<double> &stiffness);
+    void Soften(const Progress &progress);
+    void Draw(const Progress &progress);
+    void TryBothWays(const Progress &progress);
+    std::vector<double> MovedFrom(const GraphPose &other) const;
+    bool AllStay(const GraphPose &other, double noise, std::vector<char> &stays) const;
+    std::vector<double> Settle(const Progress &progress);
+    void StiffenGaps(const std::vector<double> &end, const Progress &progress);
+    void Lay(const Progress &progress);
+    double OnIt() const { return report.matched - matches->Unreached(); }
+    void TryOtherStarts(const Progress &progress);
+    void TryWithout(const std::vector<Contradiction> &doubted, const Progress &progress);
+    void Finish(const Progress &progress);
+    Kept SetAside() { return {graph, report, std::move(matches)}; }
+    void TakeBack(Kept &&kept);
+
+    const Fitter &fitter;
+    const FitParam &param;
+    const FitTarget &target;
+    FitReport &report;
+    const RegionDeformer &region;
+    const unsigned threads;
+    const double scale;     // of the frame
+    const double tolerance; // of landmarks, frame units
+    const bool isAlone;     // landmarks lead alone: nothing is matched
+    Deformer::Pose all;
+    RegionPose &pose;
+    GraphPose &graph;
+    const FitSamples samples; // that are matched
+    const std::size_t matched;
+    FitSamples drawn;                         // these, then the landmarks, then what lies on curves
+    const std::vector<Eigen::Vector3d> place; // where landmarks belong
+    const FitCurves curves;
+    const bool isLed; // by a landmark or a curve
+    FitParts parts;
+    const std::vector<char> isAnyFree, isFree; // flags of the graph's nodes; and those that something leads
+    FitSystem system;
+    MatchParam how;
+    std::unique_ptr<FitMatches> matches;
+    std::vector<char> leads; // the landmarks and places of curves that it follows
+    std::vector<FitSystem::Pull> pull;
+    const GraphPose asItLies; // from where it may be moved as a whole
+    GraphPose start;          // so
+};
+
+} // namespace vcg::fcd
+
+#endif
