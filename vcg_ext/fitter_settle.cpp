@@ -47,9 +47,9 @@ std::vector<double> Fitter::Run::MovedFrom(const GraphPose &other) const {
 /// \return whether all of them did already
 bool Fitter::Run::AllStay(const GraphPose &other, double noise, std::vector<char> &stays) const {
     const std::vector<double> moved = MovedFrom(other);
-    bool all = true;
+    bool didStay = true;
     const auto stay = [&](Index node) {
-        all = all && stays[std::size_t(node)];
+        didStay = didStay && stays[std::size_t(node)];
         stays[std::size_t(node)] = 1;
     };
     for (Index j = 0; j < region.graph.Size(); ++j)
@@ -58,7 +58,7 @@ bool Fitter::Run::AllStay(const GraphPose &other, double noise, std::vector<char
             for (Index beside : region.graph.graph.adjacency[j])
                 stay(beside);
         }
-    return all;
+    return didStay;
 }
 
 /// What has arrived follows no more of the target's noise than it must. \return the stiffness of each node that this
