@@ -51,8 +51,8 @@ class Fitter::Run {
     void Soften(const Progress &progress);
     void Draw(const Progress &progress);
     void TryBothWays(const Progress &progress);
-    std::vector<double> MovedFrom(const GraphPose &other) const;
-    bool AllStay(const GraphPose &other, double noise, std::vector<char> &stays) const;
+    std::vector<double> MovedFrom(const std::vector<Eigen::Vector3d> &before) const;
+    bool MoreStay(const std::vector<Eigen::Vector3d> &before, double noise, std::vector<char> &stays) const;
     std::vector<double> Settle(const Progress &progress);
     void StiffenGaps(const std::vector<double> &end, const Progress &progress);
     void Lay(const Progress &progress);

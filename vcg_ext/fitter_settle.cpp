@@ -27,11 +27,11 @@ constexpr int gapSteps = 6;
 
 } // namespace
 
-/// How far each node's samples are from where they were in another pose, root mean square, frame units.
-std::vector<double> Fitter::Run::MovedFrom(const GraphPose &other) const {
+/// How far each node's samples are from where they were, root mean square, frame units. \param before where, of each
+std::vector<double> Fitter::Run::MovedFrom(const std::vector<Eigen::Vector3d> &before) const {
     std::vector<double> squares(isFree.size(), 0), weight = squares;
     for (std::size_t s = 0; s < matched; ++s) {
-        const double square = (samples.At(s, graph) - samples.At(s, other)).squaredNorm();
+        const double square = (samples.At(s, graph) - before[s]).squaredNorm();
         for (std::uint32_t t = samples.begin[s]; t < samples.begin[s + 1]; ++t) {
             const FitSamples::Term &term = samples.term[t];
             squares[std::size_t(term.node)] += term.weight * square;
@@ -43,13 +43,13 @@ std::vector<double> Fitter::Run::MovedFrom(const GraphPose &other) const {
     return squares;
 }
 
-/// Nodes that moved from another pose by more than \p noise, and those beside them, stay as they are from now on.
-/// \return whether all of them did already
-bool Fitter::Run::AllStay(const GraphPose &other, double noise, std::vector<char> &stays) const {
-    const std::vector<double> moved = MovedFrom(other);
-    bool didStay = true;
+/// Adds the nodes that moved by more than \p noise, and those beside them, to those that stay as soft as they are.
+/// \param before where the samples were \param stays in, out: flags of the graph's nodes \return whether any is new
+bool Fitter::Run::MoreStay(const std::vector<Eigen::Vector3d> &before, double noise, std::vector<char> &stays) const {
+    const std::vector<double> moved = MovedFrom(before);
+    bool isAnyNew = false;
     const auto stay = [&](Index node) {
-        didStay = didStay && stays[std::size_t(node)];
+        isAnyNew = isAnyNew || !stays[std::size_t(node)];
         stays[std::size_t(node)] = 1;
     };
     for (Index j = 0; j < region.graph.Size(); ++j)
@@ -58,19 +58,22 @@ bool Fitter::Run::AllStay(const GraphPose &other, double noise, std::vector<char
             for (Index beside : region.graph.graph.adjacency[j])
                 stay(beside);
         }
-    return didStay;
+    return isAnyNew;
 }
 
 /// What has arrived follows no more of the target's noise than it must. \return the stiffness of each node that this
 /// leaves
 std::vector<double> Fitter::Run::Settle(const Progress &progress) {
+    std::vector<double> end = AllOf(SoftEnd());
+    const double alike = report.converged && !isAlone ? matches->Alike() : 0;
+    if (!(alike < 0))
+        return end;
     const FitReport before = report;
     const std::size_t on = fitter.CountOn(*matches, before);
-    const double alike = report.converged && !isAlone ? matches->Alike() : 0, noise = matches->Noise();
-    const GraphPose arrived = graph;
-    std::vector<double> end = AllOf(SoftEnd());
+    const double noise = matches->Noise();
+    const std::vector<Eigen::Vector3d> arrived = samples.Places(matched, graph);
     std::vector<char> stays(isFree.size(), 0);
-    for (int k = 0; k < stifferTimes && alike < 0; ++k) {
+    for (int k = 0; k < stifferTimes; ++k) {
         const GraphPose softer = graph;
         std::vector<double> stiffness;
         do {
@@ -80,7 +83,7 @@ std::vector<double> Fitter::Run::Settle(const Progress &progress) {
                 stiffness[j] *= stays[j] ? 1 : stiffer;
             for (int step = 0; step < stifferSteps && Step(1, stiffness) > rest / 3; ++step)
                 ;
-        } while (noise < strongNoise && !AllStay(arrived, noise, stays)); // those that now stay go back
+        } while (noise < strongNoise && MoreStay(arrived, noise, stays)); // these go back
         Find(1);
         fitter.Measure(*matches, report);
         if (matches->Alike() > noiseLeft * alike || report.rms > mostNoise * before.rms ||

@@ -30,8 +30,9 @@ constexpr double firstAlong = 0.5, alongFalls = 0.004;
 constexpr std::size_t places = 1500;
 constexpr int neighbours = 4;
 constexpr double nearest = 1.5, farthest = 3;
-// Standard deviations, as the median tells them: what is farther is no noise, and counts as so much.
-constexpr double mostOfMedian = 3 * 1.4826;
+// Of the median of noise without its signs: its standard deviation (Huber 1981). What is farther than three of these is
+// no noise, and counts as so much.
+constexpr double deviation = 1.4826, mostOfMedian = 3 * deviation;
 
 } // namespace
 
@@ -176,12 +177,15 @@ double FitMatches::Unreached() const {
     return double(unreached) / double(reach.size());
 }
 
+/// How far a sample is from its match across the target, with its sign.
+double FitMatches::Across(std::size_t s) const { return normal[s].normalized().dot(at[s] - match[s].point); }
+
 double FitMatches::Noise() const {
     std::vector<double> far;
     for (std::size_t s = 0; s < Size(); ++s)
         if (counts[s])
-            far.push_back(std::abs(normal[s].normalized().dot(at[s] - match[s].point)));
-    return 1.4826 * Quantile(far, 0.5);
+            far.push_back(std::abs(Across(s)));
+    return deviation * Quantile(far, 0.5);
 }
 
 double FitMatches::Alike() {
@@ -200,10 +204,7 @@ double FitMatches::Alike() {
         if (counts[s])
             far.push_back(distance[s]);
     const double most = mostOfMedian * Quantile(far, 0.5);
-    const auto off = [&](Index s) { // across the target
-        const Eigen::Vector3d way = at[std::size_t(s)] - match[std::size_t(s)].point;
-        return std::clamp(normal[std::size_t(s)].normalized().dot(way), -most, most);
-    };
+    const auto off = [&](Index s) { return std::clamp(Across(std::size_t(s)), -most, most); };
     double squares = 0, products = 0;
     for (const auto &[a, b] : beside)
         if (counts[std::size_t(a)] && counts[std::size_t(b)]) {

@@ -70,6 +70,7 @@ class FitMatches {
 
   private:
     double Side() const;
+    double Across(std::size_t s) const;
     void ListThoseThatCount();
     std::vector<Eigen::Vector3d> WhereTheyAre() const;
     void Search(const GraphPose &pose, unsigned threads);
