@@ -15,7 +15,7 @@ void askInitialPatches(Fields &fields, vcg::fcd::GraphParam &graph, Shown shown)
         "initial_patches", graph.initialPatches, shown, "Initial patches",
         QString("Number of patches to start from, where the surface is free. Splitting adds to it. ") +
             (graph.initialPatches == 0
-                 ? "<b>0</b> (the default): as many as the surface is worth, whatever its number of vertices: some 300 "
+                 ? "<b>0</b> (the default): as many as the surface needs, whatever its number of vertices: some 300 "
                    "for most scans, 100 where little bends, up to 1500 where it is thin, folded or torn. "
                  : "A few hundred are enough for most scans, whatever their number of vertices. ") +
             "<b>Raise it</b> for finer bends; it takes longer.");
@@ -71,7 +71,7 @@ void askBending(Fields &fields, vcg::fcd::DeformationParam &deformation, bool al
         "For comparisons; leave it. How strongly neighbouring patches hold together. <i>Common border</i>: by the "
         "length of the border and the distance of the centres. The shape then hardly depends on where the patches lie. "
         "<i>Uniform</i>: all alike. <i>As in the paper</i>: all alike, and patches are balanced by number of vertices, "
-        "not by area. <i>The paper to the letter</i>: all else is as printed, too: vertices follow the nodes whose "
+        "not by area. <i>The paper to the letter</i>: all else is as printed, too. Vertices follow the nodes whose "
         "patch would reach them (Eqs. 7 and 8), held parts do not give way and do not blend, and plain steps end when "
         "none moves a node by more than the tolerance. 'Distances' and 'Influence' are not read then.");
     deformation.graphWeights = chosen == 0   ? GraphWeights::Border
@@ -104,9 +104,10 @@ void askBending(Fields &fields, vcg::fcd::DeformationParam &deformation, bool al
 
 void askDisplacement(Fields &fields, bool &displacement) {
     if (host::scriptsMayLackParameters)
-        fields.field("displacement", displacement, Shown::Advanced, "Add displacement",
-                     "Also gives the vertices of the result the vector attribute 'fcd_displacement': the way that each "
-                     "went, in the layer's coordinates. Scripts read it as vertex_custom_point_attribute_matrix.");
+        fields.field(
+            "displacement", displacement, Shown::Advanced, "Add displacement",
+            "Also gives the vertices of the result the vector attribute 'fcd_displacement': how far each went along x, "
+            "y and z, in the layer's coordinates. Scripts read it as vertex_custom_point_attribute_matrix.");
 }
 
 void askGraphLayers(Fields &fields, bool &graphLayers) {

@@ -8,10 +8,10 @@ void ask(Fields &fields, CompensateLayerParam &param) {
                   "The scan of the printed part: triangles, or a point cloud. A cloud's normals tell the two sides of "
                   "something thin apart. It is not changed.");
     fields.field("degree", param.compensation.degree, Shown::Always, "Degree of the warp (1 to 7)",
-                 "Of the polynomial that warps: <b>1</b> is shrinkage and shear. <b>Raise it</b> for finer warps; "
-                 "<b>lower it</b> where little is scanned, or the log says that the warp cannot be turned round.");
+                 "Degree of the polynomial: <b>1</b> is shrinkage and shear. <b>Raise it</b> for finer warps; <b>lower "
+                 "it</b> where little is scanned, or the log says that the warp cannot be turned round.");
     askLargestDistance(fields, param.compensation.largestDistance,
-                       "What is farther than this from the scan, in world units, is not scanned. <b>0</b> (the "
+                       "What is farther than this from the scan, in world units, counts as not scanned. <b>0</b> (the "
                        "default): no limit. <b>Lower it</b> where the scan has more than the part, such as a table.");
     askSamples(fields, param.compensation.samples,
                "How many places of the nominal part are matched, evenly spread. <b>Raise it</b> for a noisy scan.");

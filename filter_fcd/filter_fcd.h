@@ -33,7 +33,7 @@ class FilterFcd : public HostFilterPlugin {
         ClearTags,
         SaveSession,
         LoadSession,
-        // What Tag does, in three parts, for scripts of before: not shown.
+        // What Tag does, in three parts, for older scripts: not shown.
         TagSelection,
         TagsFromFiles,
         SaveTags

@@ -52,7 +52,7 @@ void ask(Fields &fields, DeformMeshParam &param) {
                  "several meshes, and you can place nodes by hand.");
     fields.layer("graph_layer", param.graphLayer, likelyGraph(fields.document, false), Shown::Advanced, "Graph layer",
                  "The layer whose vertices are the nodes. Only read when 'Use a graph layer' is ticked. Nodes that are "
-                 "not on the surface are left out. It is an error when most are not.");
+                 "not on the surface are left out; if most are not, this is an error.");
     if (!param.useGraphLayer)
         param.graphLayer = nullptr;
     askTargetRadius(fields, deformation.graph);
@@ -70,8 +70,8 @@ void ask(Fields &fields, DeformMeshParam &param) {
     askDisplacement(fields, param.displacement);
     if (host::scriptsMayLackParameters)
         fields.field("stop_at_contact", param.stopAtContact, Shown::Advanced, "Stop at contact",
-                     "Carries the motion out only until the surface would pass through itself: to the last hundredth "
-                     "of it that is free. Solves eight poses; the log tells how far it came.");
+                     "Carries the motion out only until the surface would pass through itself, to a hundredth of the "
+                     "motion. Solves eight poses; the log tells how far it came.");
     deformation.contact = param.quality == DeformMeshParam::Contact;
     deformation.measure = param.quality == DeformMeshParam::Stretch || param.quality == DeformMeshParam::Rotation;
     if (!host::dialogsFold) // what one needs comes first
@@ -93,8 +93,8 @@ void ask(Fields &fields, PoseParam &param) {
                  "clouds, turn in any case.");
     if (host::scriptsMayLackParameters)
         fields.field("contact", param.contact, Shown::Advanced, "Look for contact",
-                     "Tells how many triangles pass through the layer that did not at rest, and how far. It takes "
-                     "several times as long as the pose, and so does each step of a preview.");
+                     "Counts the triangles that pass through the layer and did not at rest, and tells how far. Takes "
+                     "several times as long as the pose, in each step of a preview, too.");
     if (!host::dialogsFold)
         fields.order({"handles", "translation", "rotation_axis", "rotation_angle", "rotation_center", "rotation_point",
                       handleLayer, "smoothness", "pose", "transforms", "tag_attribute", "initial_patches"},
@@ -105,7 +105,7 @@ void ask(Fields &fields, CopyParam &param) {
     // First: where a script lacks the first parameter only, meshlabserver 2020.09 fills it in.
     fields.openFile("deformation_file", param.file, Shown::Always, {"*.ply"}, "Saved deformation (.ply)",
                     "A file of 'FCD: Save Deformation', in world coordinates. The three layers below are not read "
-                    "then. <b>Empty</b> (the default): the layers tell.");
+                    "then. <b>Empty</b> (the default): these layers have the deformation.");
     askLayers(fields, param);
     fields.field("all_visible", param.allVisible, Shown::Always, "All visible layers",
                  "Deforms every visible layer but those above, instead of the current one.");
@@ -118,11 +118,10 @@ void ask(Fields &fields, ResetPoseParam &param) {
         {"The shape before the last pose", "The shape as loaded",
          "The shape before the last pose, whatever has moved it"},
         "Back to",
-        "<b>The shape before the last pose</b> (0): one step; where the layer has that already, the one before. Steps "
-        "are what 'Apply' in the tool 'FCD: Bend', or 'Keep the present shape', made of a pose.<br><b>The shape as "
-        "loaded</b> (1): that which the layer had before its first pose.<br><b>The shape before the last pose, "
-        "whatever has moved it</b> (2): also where another filter has moved some vertices since (smoothed them, say), "
-        "which is undone with the pose. New vertices, or other faces, have no place there.");
+        "<b>The shape before the last pose</b> (0): one step; if the layer has that shape already, one more. 'Apply' "
+        "in the tool 'FCD: Bend' and 'Keep the present shape' end a step.<br><b>The shape as loaded</b> (1): that "
+        "before the first pose.<br><b>The shape before the last pose, whatever has moved it</b> (2): also undoes what "
+        "another filter has moved since (smoothed, say). New vertices or other faces are an error.");
     fields.field("keep_shape", param.keepShape, Shown::Always, "Keep the present shape",
                  "Ticked, the layer stays as it is, and later poses begin from this shape.");
 }
@@ -138,9 +137,8 @@ void ask(Fields &fields, SaveDeformationParam &param) {
             "samples, of some 115 bytes each, up to a million. The log tells size and time. <b>0</b> (the default): a "
             "fiftieth of the largest motion, at most 0.01 percent of the diagonal of what moves.");
         fields.field("inverse", param.inverse, Shown::Always, "Inverse",
-                     "Writes the deformation that leads back, from the deformed shape to the original. It carries "
-                     "marks and measurements onto the original. Where the deformation folds the mesh there is no way "
-                     "back; the log counts these vertices.");
+                     "Writes the way back, from the deformed shape to the original. It carries landmarks and "
+                     "measurements onto the original. Folds have no way back; the log counts their vertices.");
     }
     if (fields.areRead())
         param.validate();

@@ -7,7 +7,7 @@
 /// \file
 /// The parameters of the filters, each said once, for the host's dialogs and scripts and for the way back.
 
-/// What the filters for scripts of before ask for, which do a part of what "FCD: Tag" does.
+/// What the filters for older scripts ask for, which do a part of what "FCD: Tag" does.
 struct TagSelectionParam : TagParam {};
 struct TagsFromFilesParam : TagParam {};
 

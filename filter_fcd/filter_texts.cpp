@@ -83,11 +83,11 @@ QString FilterFcd::filterInfo(int id) const {
         return QString("Lays the current layer onto another one, with pairs of <b>landmarks</b> or without. The "
                        "surface bends, as rigidly as possible, until it lies on the target: a template on a scan, last "
                        "year's scan on this year's, a decimated model on the full cloud. What has no counterpart on "
-                       "the target is carried along.<br>The layers should lie roughly on each other, or 'Start' moves "
-                       "the current one there. Their matrices count. Tags are not needed; tagged vertices stay, to the "
-                       "bit, or move as you say. Any scan or point cloud will do, as source and as target.<br>The "
-                       "result is a new layer with all that the source carries. Non-rigid registration (ICP), template "
-                       "fitting, shrink wrap, morph; as rigid as possible (ARAP).") +
+                       "the target is carried along.<br>The layers should lie roughly on each other; if not, 'Start' "
+                       "moves the current one there. Their matrices count. Tags are not needed; tagged vertices stay, "
+                       "to the bit, or move as you say. Any scan or point cloud will do, as source and as "
+                       "target.<br>The result is a new layer with all that the source carries. Non-rigid registration "
+                       "(ICP), template fitting, shrink wrap, morph; as rigid as possible (ARAP).") +
                reference;
     case StraightenMesh:
         return QString("Straightens the current layer along a <b>line</b>, or bends it: fish, bones, roots, pipes, "
@@ -100,55 +100,50 @@ QString FilterFcd::filterInfo(int id) const {
                        "the layer carries. Straighten, unbend, unroll, bend along a curve.") +
                reference;
     case Symmetrize:
-        return QString(
-                   "Restores the symmetry of what was <b>sheared, bent or pressed</b>: fits the current layer onto its "
-                   "own mirror image, and goes half of the way (retrodeformation). Rotations go half of their angle, "
-                   "so that what was bent keeps its length.<br>"
-                   "The plane of symmetry is found by itself, or told by pairs of landmarks and points of the "
-                   "midline, or given. What has no counterpart on the other side is carried along; its mirror image "
-                   "may be added over what is missing. The log says how asymmetric it was, and the quality of the "
-                   "result where.<br>"
-                   "The result is a new layer with all that the layer carries.") +
+        return QString("Restores the symmetry of what was <b>sheared, bent or pressed</b>: fits the current layer onto "
+                       "its own mirror image, and goes half of the way (retrodeformation). Rotations go half of their "
+                       "angle, so that what was bent keeps its length.<br>The plane of symmetry is found, or follows "
+                       "from pairs of landmarks and points of the midline, or is given. What has no counterpart on the "
+                       "other side is carried along; its mirror image can fill what is missing. The log says how "
+                       "asymmetric the layer was, and the quality of the result says where.<br>The result is a new "
+                       "layer with all that the layer carries.") +
                reference;
     case Compensate:
-        return "Tells <b>what to print</b> so that the current layer, the nominal part, comes out: a scan of the "
-               "printed "
-               "(sintered, pressed) part tells how it is warped, and that is turned round.<br>The warp is a smooth one "
-               "of all of space: flat faces, round holes and sharp edges stay what they are, what is not scanned goes "
-               "with what is, noise does not come through, and it does not matter whether vertices are welded. The "
-               "scan is a layer with a surface or points, in the same units, rigidly aligned with the nominal part. "
-               "What is printed is assumed to warp as the nominal part did.<br>The result is a new layer with all that "
-               "the layer carries.";
+        return "Tells <b>what to print</b> so that the current layer, the nominal part, comes out. A scan of the "
+               "printed (sintered, pressed) part tells how it is warped, and the filter turns the warp round.<br>The "
+               "warp is smooth and moves all of space. So flat faces, round holes and sharp edges stay what they are, "
+               "noise does not come through, and vertices need not be welded. What is not scanned goes along. The scan "
+               "is a mesh or a point cloud, in the same units, rigidly aligned with the nominal part. The next print "
+               "is assumed to warp as this one did.<br>The result is a new layer with all that the layer carries.";
     case PoseSequence:
         return QString("Makes an animation of the current layer, or a row of its poses. Each pose has a name and says "
-                       "how the handles move. <b>Key frames</b> tell when there is how much of each. Poses are "
-                       "blended: the turns, moves and scalings of a handle add up.<br>The poses come from a table in a "
-                       "file, or are those that the layer keeps. The results are new layers, an animation (glTF with "
-                       "morph targets, colours and textures) or a point cache (PC2). The current layer is not changed. "
-                       "Animate, keyframes, "
-                       "blend shapes, shape keys, ARAP.") +
+                       "how the handles move. <b>Key frames</b> say how much of each pose there is at which time. "
+                       "Poses are blended: the turns, moves and scalings of a handle add up.<br>The poses come from a "
+                       "table in a file, or are those that the layer keeps. The results are new layers, an animation "
+                       "(glTF with morph targets, colours and textures) or a point cache (PC2). The current layer is "
+                       "not changed. Animate, keyframes, blend shapes, shape keys, ARAP.") +
                reference;
     case PoseInPlace:
-        return QString("Bends the current layer itself, as 'FCD: Deform Mesh' bends a copy of it. Tick <i>Preview</i> "
-                       "and see the shape follow while you change a value. The first pose prepares the layer, which "
-                       "takes a moment; each further one takes a fraction of that, also when you come back to the "
-                       "dialog.<br>Every pose begins at the <b>rest shape</b>: the shape before the first pose, or the "
-                       "one that was applied or kept last. Poses do not add up, and pose 0 is the rest shape. 'FCD: "
-                       "Reset Pose' brings it back. Changes positions and normals, nothing else. Motions are in world "
-                       "coordinates. Warp, bend, deform with preview; ARAP.") +
+        return QString("Bends the current layer itself, as 'FCD: Deform Mesh' bends a copy of it. Tick <i>Preview</i>, "
+                       "and the shape follows while you change a value. The first pose prepares the layer, which takes "
+                       "a moment; later ones take a fraction of that, also when you come back to the dialog.<br>Every "
+                       "pose begins at the <b>rest shape</b>: the shape before the first pose, or the one that was "
+                       "applied or kept last. Poses do not add up, and pose 0 is the rest shape. 'FCD: Reset Pose' "
+                       "brings it back. Changes positions and normals, nothing else. Motions are in world coordinates. "
+                       "Warp, bend, deform with preview; ARAP.") +
                reference;
     case ResetPose:
-        return "Brings a layer that 'FCD: Pose in Place' or the tool 'FCD: Bend' has bent back to the shape before its "
-               "last pose, or before its first, exactly. Or keeps the present shape, so that later poses begin there. "
-               "If something else has moved all of the layer alike since (turned it, scaled it, frozen its matrix), "
-               "the old shape is moved so, too. If something else has moved some vertices, or made new ones, going "
-               "back is refused and nothing is changed.";
+        return "Brings back, to the bit, the shape that the current layer had before its last pose by 'FCD: Pose in "
+               "Place' or the tool 'FCD: Bend', or before its first. Or keeps the present shape, so that later poses "
+               "begin there. If something else has moved the whole layer since (turned it, scaled it, frozen its "
+               "matrix), the old shape is moved alike. If something else has moved some vertices, or made new ones, "
+               "this is an error and nothing is changed.";
     case CopyDeformation:
         return QString("Deforms the current layer as 'FCD: Deform Mesh' has deformed another one in the same space. "
                        "Deform a decimated copy, then the full scan with it; or a point cloud, landmarks, a textured "
                        "version. Each vertex follows the nearest place of the source's surface. What is nearest to "
-                       "something fixed stays, to the bit.<br>The layers with the graph tell the deformation, in the "
-                       "session that made them; or a file of 'FCD: Save Deformation'.<br>The result is a new layer "
+                       "something fixed stays, to the bit.<br>The deformation is in the two graph layers, in the "
+                       "session that made them, or in a file of 'FCD: Save Deformation'.<br>The result is a new layer "
                        "with everything that the layer carries.") +
                reference;
     case SaveDeformation:
@@ -157,38 +152,36 @@ QString FilterFcd::filterInfo(int id) const {
                    "or for points outside of MeshLab.<br>The file holds the deformation at some thousand vertices of "
                    "the source and the triangles between them, in world coordinates. Vertices are added until the file "
                    "is off by at most 'Accuracy' at every vertex of the source (or there are a million). All that was "
-                   "fixed stays, to the bit. Log and file say how far any vertex is off. It is a binary PLY file: any "
-                   "program shows the thinned surface.<br>The layers are not changed.") +
+                   "fixed stays, to the bit. Log and file say how far a vertex is off at most. It is a binary PLY "
+                   "file: any program shows the thinned surface.<br>The layers are not changed.") +
                reference;
     case Tag:
         return "Says what the selected part of the mesh does when the layer is deformed. It stays <b>fixed</b>, is "
                "<b>free</b> to follow, is a <b>handle</b> that moves as you say, or lies <b>outside</b> the region of "
                "influence.<br>Select what stays and run this filter as <i>Fixed</i>. Select what moves and run it as "
                "<i>Handle</i>. Then run 'FCD: Deform Mesh'. Selected vertices and the vertices of selected faces "
-               "count. All else keeps its tag; without tags (no quality, or 0 everywhere) all else is free.<br>Or "
-               "takes all tags from a file. The tags, and motions of the handles, can be written to files, which 'FCD: "
-               "Deform Mesh' reads with <i>Handles from: Files</i>.<br>Changes the quality, or an attribute, of the "
-               "current layer and its colours, nothing else.";
-    case TagSelection: return "For scripts of before: what 'FCD: Tag' does with the selection.";
-    case TagsFromFiles: return "For scripts of before: what 'FCD: Tag' does with a .sel file.";
+               "count. All else keeps its tag; without tags (no quality, or 0 everywhere) all else is free.<br>It also "
+               "reads all tags from a file, and writes tags and motions to files, which 'FCD: Deform Mesh' reads with "
+               "<i>Handles from: Files</i>.<br>Changes the quality, or an attribute, of the current layer and its "
+               "colours, nothing else.";
+    case TagSelection: return "For older scripts: what 'FCD: Tag' does with the selection.";
+    case TagsFromFiles: return "For older scripts: what 'FCD: Tag' does with a .sel file.";
     case ClearTags:
         return "Brings back the colours and the quality that the current layer had before it was tagged. A layer that "
                "had none has none again. New vertices get what was at their place, as long as the layer is not posed. "
                "Vertices that were coloured since, or whose place is not known, keep what they have; the log counts "
                "them.";
     case SaveTags:
-        return "For scripts of before: writes the tags of the vertices to a .sel file and, if wanted, the motions of "
-               "the handles to a .def file, as 'FCD: Tag' does. The layer is not changed.";
+        return "For older scripts: writes the tags to a .sel file and, on request, the motions of the handles to a "
+               ".def file, as 'FCD: Tag' does. The layer is not changed.";
     case SaveSession:
-        return "Writes what no mesh file keeps of the current layer, to go on another day: its marks, the colours and "
-               "the quality under the tags, its rest shapes, its poses and key frames, its handles, motions and line "
-               "in the tool 'FCD: Bend', and its pairs, options and fit in 'FCD: Fit'. Save the layer itself, too. The "
-               "layer is not changed.";
+        return "Writes what no mesh file keeps of the current layer, to go on another day: marks, colours and quality "
+               "under the tags, rest shapes, poses and key frames; handles, motions and line of the tool 'FCD: Bend'; "
+               "pairs, options and fit of 'FCD: Fit'. Save the layer itself, too. The layer is not changed.";
     case LoadSession:
-        return "Reads a file of 'FCD: Save Session' for the same layer, opened from its file again: in the shape that "
-               "it was saved in, or in its rest shape. Filters and tools then know what they knew. Vertices that were "
-               "coloured or given another quality since keep that.<br>Changes positions, normals, colours, quality and "
-               "matrix where they were others, nothing else.";
+        return "Reads a file of 'FCD: Save Session' for the same layer, in the shape that it was saved in or in its "
+               "rest shape. Filters and tools then know what they knew. Vertices with newer colours or quality keep "
+               "these.<br>Changes positions, normals, colours, quality and matrix where they differ, nothing else.";
     }
     return QString();
 }

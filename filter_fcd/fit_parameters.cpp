@@ -13,19 +13,20 @@ void askCurvesAndChecks(Fields &fields, FitMeshParam &param) {
             "Lines of the two layers that belong together and slide along each other, such as lips, a ridge or a "
             "tooth's margin. A table with a first row <i>curve, surface, x, y, z</i> and a row for each corner of a "
             "line: the name of the curve, <i>source</i> (the current layer) or <i>target</i>, and the place, in world "
-            "coordinates, in order along the line. It is closed where its last corner is its first. The vertices along "
-            "the source's line are drawn to that of the target. <b>Empty</b> (the default): none.");
+            "coordinates, in order along the line. A line is closed if its last corner is its first. The vertices "
+            "along the source's line are drawn to the target's line. <b>Empty</b> (the default): none.");
     if (!fields.hasNewer("check_file"))
         return;
     fields.openFile("check_file", param.checkFile, Shown::Advanced, {"*.csv", "*.pp"}, "Check pairs (.csv, .pp)",
-                    "Pairs as in the landmark file, kept back from the fit. The log tells how far they are from where "
-                    "they belong: that judges the fit. <b>Empty</b> (the default): none.");
-    fields.openFile(
-        "target_check_file", param.checkTargetFile, Shown::Advanced, {"*.pp"}, "Target's check points (.pp)",
-        "If the check pairs are picked points of the current layer: those of the target, with the same names.");
+                    "Pairs as in the landmark file, kept back from the fit to judge it. The log tells how far they are "
+                    "from where they belong. <b>Empty</b> (the default): none.");
+    fields.openFile("target_check_file", param.checkTargetFile, Shown::Advanced, {"*.pp"},
+                    "Target's check points (.pp)",
+                    "The same points on the target, with the same names, if the check pairs are picked points of the "
+                    "current layer alone.");
     fields.field("leave_one_out", param.leaveOneOut, Shown::Advanced, "Leave one landmark out",
-                 "Also fits without each landmark in turn, and logs how far it is from where it belongs then. Takes as "
-                 "many fits as there are landmarks.");
+                 "Also fits without each landmark in turn, and logs how far that landmark is then off. Takes as many "
+                 "more fits as there are landmarks.");
 }
 
 /// How much of the two layers counts.
@@ -37,9 +38,9 @@ void askWeights(Fields &fields, FitMeshParam &param) {
         "How much each vertex of the current layer counts, from 0 to 1. What has 0 is not matched and is <b>carried "
         "along</b>, such as the gum of a dental scan. <b>All counts</b> (the default), the <b>vertex quality</b>, the "
         "<b>selection</b>, or an <b>attribute</b>. Quality or selection are then not read as handles. A separate part "
-        "that nothing of the target leads is carried in any case, by what it belongs to: an eyeball by its head.");
+        "without a counterpart is carried in any case, by the parts around it: an eyeball by its head.");
     askWeightSource(fields, "target_weights", param.targetWeights, "Target weights from",
-                    "The same for the target's vertices: what has 0 is as if it were not there.");
+                    "The same for the target's vertices: what has 0 is ignored.");
     askWeightAttribute(fields, param.weightAttribute,
                        "Name of the scalar attribute per vertex, on either layer, with weights from 0 to 1.");
 }
@@ -59,8 +60,8 @@ void ask(Fields &fields, FitMeshParam &param) {
         "are comments. Picked points (.pp) alternate source and target. A place stands for the vertex nearest to it. "
         "<b>Empty</b> (the default): none. Give some where limbs lie far from where they belong.");
     fields.openFile("target_landmarks_file", param.targetFile, Shown::Always, {"*.pp"}, "Target's picked points (.pp)",
-                    "If the landmark file is picked points of the current layer: those of the target, with the same "
-                    "names. <b>Empty</b> (the default): the landmark file holds both ends.");
+                    "The same points on the target, with the same names, if the landmark file has picked points of the "
+                    "current layer alone. <b>Empty</b> (the default): the landmark file holds both ends.");
     askLandmarkTolerance(fields, fit);
     askCurvesAndChecks(fields, param);
     fields.field(
@@ -69,7 +70,7 @@ void ask(Fields &fields, FitMeshParam &param) {
     fields.choice(
         "start", fit.start, Shown::Always,
         {"As they lie", "Rigid, from landmarks", "Rigid and scaled, from landmarks", "Axes tried out"}, "Start",
-        "First moves all of the current layer where the layers do not lie on each other: by <b>landmarks</b> (at least "
+        "How the current layer is first moved onto the target, if it does not lie there: by <b>landmarks</b> (at least "
         "three that are not on a line), or principal <b>axes</b> onto principal axes, in the best of 24 ways. Needs a "
         "layer without fixed vertices and handles. If the layers do not overlap and there are no landmarks, <b>As they "
         "lie</b> moves the layer onto the target's middle, too, and says so. If the layer comes out strained, it is "
@@ -87,8 +88,8 @@ void ask(Fields &fields, FitMeshParam &param) {
     fields.field(
         "both_ways", fit.bothWays, Shown::Advanced, "Match both ways",
         "Places of the target that nothing lies near draw what is nearest. So thin and long parts of the target are "
-        "reached. <b>Off</b> (the default): where parts of the target are left, it is tried, and kept if none are left "
-        "then and more of the layer has a counterpart. Leave it off where the target has parts that the layer lacks.");
+        "reached. <b>Off</b> (the default): tried if parts of the target are left, and kept if it reaches them and "
+        "matches more of the layer. Leave it off if the target has parts that the layer lacks.");
     askWeights(fields, param);
     askSampling(fields, fit);
     askGraphLayers(fields, param.graphLayers);

@@ -54,9 +54,9 @@ void askMotionText(Fields &fields, HandleParam &handles, Shown shown) {
         "counterclockwise when it points at you; any angle</li><li><i>scale s</i>, or <i>scale sx sy sz</i>: positive "
         "factors</li><li><i>matrix m11 m12 ... m44</i>: 16 numbers, row by row, the last row 0 0 0 1</li><li><i>layer "
         "'NAME'</i>: as the layer of that name lies to this one</li></ul><i>rotate</i> and <i>scale</i> may end in "
-        "<i>about x y z</i>, the point that stays in place. Without it, that is the mean of the handle's vertices, "
-        "where earlier steps have put it. Case, line breaks and commas between numbers do not matter. Handles without "
-        "a text move by the motion file, or else by the other parameters.");
+        "<i>about x y z</i>, the pivot. Without it, the pivot is the mean of the handle's vertices after the earlier "
+        "steps. Case, line breaks and commas between numbers do not matter. Handles without a text move by the motion "
+        "file, or else by the other parameters.");
 }
 
 void askMotion(Fields &fields, HandleParam &handles, Shown shown) {
@@ -66,16 +66,15 @@ void askMotion(Fields &fields, HandleParam &handles, Shown shown) {
                      "The axis that handles turn about. Only its direction counts.");
     fields.field("rotation_angle", handles.rotationAngle, shown, "Rotation angle (degrees)",
                  "How far handles turn, counterclockwise when the axis points at you. Applied before the translation. "
-                 "Any angle: 190 degrees twist the surface by 190 one way, not by 170 the other, and 270 at pose 50 "
-                 "are 135. With a matrix that rotates, too, handles take the shortest way.");
+                 "Any angle: 190 degrees twist by 190, not by 170 the other way, and half of 270 (pose 50) is 135. If "
+                 "the matrix rotates, too, handles take the shortest way.");
     fields.choice("rotation_center", handles.rotationCenter, shown,
                   {"Barycentre of the handle", "Origin", "Rotation point"}, "Rotation centre",
-                  "The point that stays in place when a handle turns: the mean of its vertices (where the matrix has "
-                  "put them), the origin of the world, or the point below.");
-    fields.position(
-        "rotation_point", handles.rotationPoint, Shown::Advanced, "Rotation point",
-        "Centre of the rotation, in world coordinates. Only read when the rotation centre is 'Rotation point'. It is "
-        "in single precision: at 600 000, in steps of 0.06. 'Motions as text' keeps all digits.");
+                  "The pivot that a handle turns about: the mean of its vertices (after the matrix), the origin of the "
+                  "world, or the point below.");
+    fields.position("rotation_point", handles.rotationPoint, Shown::Advanced, "Rotation point",
+                    "The pivot, in world coordinates. Only read when the rotation centre is 'Rotation point'. It is in "
+                    "single precision: at 600 000, in steps of 0.06. 'Motions as text' keeps all digits.");
     fields.matrix("TransformMatrix", handles.matrix, Shown::Advanced, "Matrix",
                   "A 4x4 affine matrix in world coordinates (last row 0 0 0 1). It moves handles before rotation and "
                   "translation. It may scale or shear.");

@@ -21,22 +21,22 @@ void ask(Fields &fields, SequenceParam &param) {
                     "layer's colours and textures. World coordinates; single precision. An existing file is replaced. "
                     "<b>Empty</b> (the default): none is written.");
     fields.choice("gltf_shapes", param.shapes, Shown::Always, {"Each frame", "Each pose"}, "Morph targets",
-                  "<i>Each frame</i>: the animation is what it is here, in a large file. <i>Each pose</i>: one for "
-                  "each pose, by its name, to mix by hand. Mixed poses move in straight lines, so what turns shrinks. "
-                  "The log says by how much.");
+                  "<i>Each frame</i>: one for each frame; the animation is exact, and the file large. <i>Each "
+                  "pose</i>: one for each pose, by its name, to mix by hand. Mixed poses move in straight lines, so "
+                  "what turns shrinks; the log says by how much.");
     if (host::scriptsMayLackParameters)
         fields.field(
             "all_visible", param.allVisible, Shown::Always, "All visible layers",
-            "The .glb file also has the other visible layers, but for those of edges alone, as graphs are. They go "
-            "along with the current one, as 'FCD: Apply Deformation to Layer' takes them: eyes in a head, say.");
+            "The .glb file also has the other visible layers, except those of edges alone, such as graphs. They go "
+            "along with the current one, as 'FCD: Apply Deformation to Layer' carries them: eyes in a head, say.");
     fields.saveFile("pc2_file", param.cacheFile, Shown::Always, "*.pc2", "Write point cache to (.pc2)",
                     "Positions of all vertices in each frame, in the layer's own coordinates and in single precision, "
                     "for the mesh as the layer is saved (Blender's modifier 'Mesh Cache'). An existing file is "
                     "replaced. <b>Empty</b> (the default): none is written.");
     fields.saveFile(
         "save_poses_file", param.saveFile, Shown::Always, "*.csv", "Write poses to (.csv)",
-        "The table again, with all key frames, and with a row that tells the surface: with another surface the table "
-        "is an error. An existing file is replaced. <b>Empty</b> (the default): none is written.");
+        "Writes poses and key frames as such a table, with a row that describes the surface: for another surface, the "
+        "table is an error. An existing file is replaced. <b>Empty</b> (the default): none is written.");
     askInitialPatches(fields, param.deformation.graph);
     askSmoothness(fields, param.deformation.smoothness, Shown::Always);
     askFalloff(fields, param.deformation.falloff);

@@ -111,16 +111,16 @@ ParameterText elasticText() {
     return {"Elastic (keep volume)",
             {},
             "What bends keeps its volume: a limb that is squeezed gets thicker, one that is pulled gets thinner, and a "
-            "bend does not lose any. Each connected part keeps its own. A cloud and an open sheet have none."};
+            "bend loses none. Each connected part keeps its own volume. A cloud and an open sheet have none."};
 }
 
 ParameterText rigidityText() {
     return {"Rigidity (1 rigid, 0 smooth)",
             {},
             "How much of the stiffness is against stretching. <b>1</b> (the default): as rigid as possible, for what "
-            "bends, as bodies do. <b>0</b>: smooth, for what is sheared, scaled or grown all over, as one skull to "
-            "another; only a change of the map from place to place costs, as in a thin-plate spline. What turns far "
-            "needs rigidity."};
+            "bends, as bodies do. <b>0</b>: smooth, for what is sheared, scaled or grown all over, such as one skull "
+            "fitted to another. Only a change of the map from place to place then costs, as in a thin-plate spline. "
+            "What turns far needs rigidity."};
 }
 
 ParameterText weightsText() {
@@ -135,9 +135,8 @@ StraightenTexts straightenTexts() {
     StraightenTexts texts;
     texts.middle = {"Through the middle",
                     {},
-                    "Moves the line into the middles of the surface's cross-sections. The given line may then lie on "
-                    "the surface, as picked points do. Without it, the line keeps its length: the inner side of a bend "
-                    "gets longer. The line is left where moving it would stretch the surface more; the log says so."};
+                    "Moves the line into the middles of the surface's cross-sections. So you may pick its points on "
+                    "the surface. If moving it would stretch the surface more, the line stays; the log says so."};
     texts.shape = {"New shape",
                    {"A straight line", "An arc", "The line of a layer"},
                    "What the line becomes. The middle of a straight line or an arc is at the middle of the line. The "
@@ -149,14 +148,14 @@ StraightenTexts straightenTexts() {
                        {},
                        "Direction of the straight line, or of the middle of the arc. <b>0 0 0</b> (the default): from "
                        "end to end of the line."};
-    texts.towards = {
-        "Bends towards",
-        {},
-        "The direction to which the ends of the arc bend. <b>0 0 0</b> (the default): to where those of the line do."};
+    texts.towards = {"Bends towards",
+                     {},
+                     "The direction to which the ends of the arc bend. <b>0 0 0</b> (the default): where the ends of "
+                     "the line bend to."};
     texts.target = {"Target line",
                     {},
                     "A layer with edges that form one open path. The line is laid along it from its beginning, and "
-                    "goes on straight where it is longer. Only read for 'The line of a layer'."};
+                    "goes on straight if it is longer. Only read for 'The line of a layer'."};
     texts.reverse = {"Reverse the target line",
                      {},
                      "Lays the line along the target line from its other end. A line of a layer begins at the end "
