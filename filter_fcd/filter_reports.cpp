@@ -135,7 +135,7 @@ std::string describeDiscretisation(double error) {
     std::ostringstream line;
     line.precision(2);
     line << "With so few patches, the shape is off by about " << 100 * error
-         << " percent of the diagonal of what bends (rms): more of them bring it nearer. Raise initial_patches.";
+         << " percent of the diagonal of what bends (rms). Raise initial_patches.";
     return line.str();
 }
 
@@ -174,9 +174,9 @@ std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, const
             "that one. Give all vertices at a place the same tag.");
     if (check.strained > 0) {
         std::ostringstream line;
-        line << counted(std::size_t(check.strained), "edge leads", "edges lead")
-             << " straight from one held region to another that moves otherwise, and stretched or shrunk to less than "
-                "half or more than twice the length (the longest: "
+        line << counted(std::size_t(check.strained), "edge joins", "edges join")
+             << " two held regions that move differently: less than half or more than twice as long as at rest (the "
+                "longest: "
              << check.longest << " times). Leave free vertices between them.";
         warnings.push_back(line.str());
     }
@@ -318,8 +318,8 @@ std::vector<std::string> warningsOf(const SavedDeformation &saved) {
     if (const vcg::fcd::Index off = saved.field.off + saved.field.stirred; off > 0) {
         std::ostringstream line;
         line << off << " vertices of the source are farther off than " << saved.field.accuracy
-             << ": parts that lie at one place move differently there, or a million samples are not enough. Where that "
-                "matters, deform with the layers.";
+             << ": parts that lie at one place move differently there, or a million samples are not enough. If that "
+                "matters, use the graph layers.";
         warnings.push_back(line.str());
     }
     if (saved.folded > 0)

@@ -48,18 +48,18 @@ std::string describe(const FittedLayers &made) {
         line << " That is of the " << 100 * report.counted << " percent that count; the rest was carried along.";
     if (report.carried > 0)
         line << " "
-             << counted(report.carried, "separate part that nothing of the target leads was",
-                        "separate parts that nothing of the target leads were")
-             << " carried by what is around.";
+             << counted(report.carried, "separate part without a counterpart was",
+                        "separate parts without a counterpart were")
+             << " carried by the parts around.";
     if (report.bothWays)
         line << " Parts of the target drew what is nearest to them, too.";
     if (report.notFinite > 0)
         line << " " << report.notFinite << " vertices of the target are not finite and were left out.";
     if (report.insideOut)
-        line << " Its normals point to the other side than those of the target, which count as flipped.";
+        line << " Its normals point to the other side than the target's, which count as flipped.";
     if (made.landmarks > 0)
         line << " None of the " << made.landmarks - (report.leftOut ? report.contradicted.size() : 0)
-             << " landmarks is off by more than " << report.landmarks << "; the remaining stretch at landmarks is "
+             << " landmarks is off by more than " << report.landmarks << "; for that, nodes gave way by up to "
              << report.pull << ".";
     if (const std::size_t curves = made.curves.curve.size(); curves > 0)
         line << " " << made.curves.vertices << " vertices lie along the " << counted(curves, "curve", "curves")

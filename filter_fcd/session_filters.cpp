@@ -49,9 +49,9 @@ std::string describe(const SessionContents &contents, bool saved) {
         add("the fit that the layer shows");
     std::string line = (saved ? "Saved: " : "Loaded: ") + has + ".";
     if (contents.moved > 0)
-        line += " The layer was at rest, and has the pose of then now.";
+        line += " The layer was at rest; it has the saved pose now.";
     if (contents.hasMatrix)
-        line += " It has the matrix of then now.";
+        line += " It has the saved matrix now.";
     if (!contents.unfit.empty())
         line += " Of 'FCD: Fit': " + contents.unfit + ".";
     return line;

@@ -24,8 +24,8 @@ void keepDeformation(const MeshDocument &document, MeshModel &graph, const MeshM
 
 const Deformation &deformationOf(MeshModel *source, const MeshModel *restGraph, MeshModel *deformedGraph) {
     if (!source || !restGraph || !deformedGraph)
-        throw Error("source_layer, rest_graph and deformed_graph must be layers of this document, where there is no "
-                    "deformation_file.");
+        throw Error(
+            "source_layer, rest_graph and deformed_graph must be layers of this document. Or give a deformation_file.");
     const std::shared_ptr<const Deformation> &found = LayerState::known(*deformedGraph).deformation;
     if (!found)
         throw Error("The layer " + inQuotes(*deformedGraph) +

@@ -220,7 +220,7 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
     result.way = pose.way;
     result.secondsSolve = watch.Seconds();
 
-    progress(1, "Done"); // but for what cannot be cancelled
+    progress(1, "Done"); // except what cannot be cancelled
     watch = {};
     try { // to have all the memory that it takes, before the first vertex is moved
         if (isFirst)

@@ -66,8 +66,8 @@ LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam 
     if (param.landmarksOnly && landmarks.empty())
         throw Error("There are no landmarks that the surface could follow. Give a file with some as 'landmarks_file'.");
     if (!param.curveFile.isEmpty() && param.landmarksOnly)
-        throw Error("Curves lead onto the target, of which nothing else than landmarks counts. Leave 'curves_file' or "
-                    "'landmarks_only' out.");
+        throw Error("Curves do not go with 'landmarks_only', which ignores all else of the target. Leave one of "
+                    "'curves_file' and 'landmarks_only' out.");
     curves = param.curves;
     if (!param.curveFile.isEmpty())
         curves = vcg::fcd::ReadCurveFile(pathOf(param.curveFile));

@@ -34,7 +34,7 @@ void appendCopies(Elements &to, const Elements &from, const Finish &finish) {
         }
 }
 
-/// Whether elements have components that lie in arrays of their own, but for adjacencies.
+/// Whether elements have components that lie in arrays of their own, except adjacencies.
 bool hasOptional(const decltype(CMeshO::vert) &v) {
     return v.IsQualityEnabled() || v.IsColorEnabled() || v.IsMarkEnabled() || v.IsNormalEnabled() ||
            v.IsCurvatureEnabled() || v.IsCurvatureDirEnabled() || v.IsRadiusEnabled() || v.IsTexCoordEnabled();

@@ -18,7 +18,7 @@ static QCborValue valueOf(const Matrix44m &matrix) {
     return arrayOf(std::move(values));
 }
 
-/// The matrix of then, which is that of the layer, or what it is to have.
+/// The saved matrix, which the layer has or is to get.
 static Matrix44m matrixThen(const Reader &from, const MeshModel &layer, const QString &file) {
     Matrix44m matrix;
     const std::vector<double> values = from.array<double>("matrix", 16, 1);
@@ -33,10 +33,9 @@ static Matrix44m matrixThen(const Reader &from, const MeshModel &layer, const QS
     const bool isSame = now.linear().isApprox(then.linear(), rounding) &&
                         (now.translation() - then.translation()).norm() <= rounding * then.translation().norm();
     if (!isSame && !now.matrix().isIdentity(0))
-        throw Error(
-            inQuotes(file) + " is of a layer with another matrix than " + inQuotes(layer) +
-            " has, and its motions, or its fit, are told in the world. Reset the layer's matrix, and load the session "
-            "again, which brings the matrix of then.");
+        throw Error(inQuotes(file) + " was saved with another matrix than " + inQuotes(layer) +
+                    " has now, and its motions or fit are in world coordinates. Reset the layer's matrix, and load the "
+                    "session again: it brings the saved matrix.");
     return matrix;
 }
 

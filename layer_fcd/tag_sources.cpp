@@ -69,7 +69,7 @@ std::vector<int> tagsFromQuality(const MeshModel &layer, bool freeIfNone, bool m
     if (!tagged && freeIfNone)
         return std::vector<int>(mesh.vert.size(), 1);
     if (!tagged)
-        throw Error(std::string("No handle: the vertex quality of this layer is 0 everywhere, so nobody has tagged the "
+        throw Error(std::string("No handle: the vertex quality of this layer is 0 everywhere: nobody has tagged the "
                                 "vertices yet. Set the quality to a tag per vertex (") +
                     tagMeaning +
                     "), for example with 'FCD: Tag' (compute_fcd_tags) or 'Per Vertex Quality "

@@ -39,8 +39,7 @@ std::vector<float> readWeights(const MeshModel &layer, FitMeshParam::Weights sou
     switch (source) {
     case FitMeshParam::WeightsAttribute:
         of = attributeNumbers(layer, attribute,
-                              "with a weight per vertex, from 0, which is carried along, to 1, or give its name as "
-                              "'weight_attribute'");
+                              "with a weight from 0 to 1 per vertex, or give its name as 'weight_attribute'");
         break;
     case FitMeshParam::WeightsSelection: of = [&](std::size_t i) { return mesh.vert[i].IsS() ? 1 : 0; }; break;
     default: of = [&](std::size_t i) { return double(mesh.vert[i].cQ()); };

@@ -89,7 +89,7 @@ def test_what_a_fit_is_worth_is_logged(capfd, tmp_path):
     points, faces = tube(97, 53, shift=0.5)
     ms, truth = pair(target=(points, faces[:, ::-1]))
     result, log = fit_logged(ms, capfd)
-    assert result["inside_out"] and "point to the other side than those of the target" in log and result["matched"] > 0.9
+    assert result["inside_out"] and "point to the other side than the target's" in log and result["matched"] > 0.9
     assert rms(ms.current_mesh().vertex_matrix(), truth) < 0.5
     ms, truth = pair()
     chosen = np.array([600, 601])  # side by side, where one belongs at the other end
@@ -190,7 +190,7 @@ def test_a_separate_part_without_a_counterpart_is_carried(capfd):
     eye, corners = ball.current_mesh().vertex_matrix() + [0.1, 0, 3], ball.current_mesh().face_matrix()
     ms, _ = pair(source=(np.vstack([points, eye]), np.vstack([faces, corners + len(points)])))
     result, log = fit_logged(ms, capfd)
-    assert result["carried_parts"] == 1 and "1 separate part that nothing of the target leads was carried by what is around" in log
+    assert result["carried_parts"] == 1 and "1 separate part without a counterpart was carried by the parts around" in log
     assert rms(ms.current_mesh().vertex_matrix()[len(points):], bent(eye)) < 0.8
 
 
@@ -525,7 +525,7 @@ def test_a_start_that_cannot_be():
     ("target_layer", 1, "'target_layer' is 'tube' itself, the current layer"), ("target_layer", 77, "'target_layer' names no layer"),
     ("stiffness", 0.0, "The stiffness must be a positive"), ("largest_distance", -1.0, "largest distance of matches must be positive"),
     ("largest_distance", 1e-9, "has a counterpart on 'target'"), ("largest_angle", 200.0, "largest angle of matches"),
-    ("weights", 2, "The weights of the surface are 0 wherever it is free"), ("target_weights", 3, "with a weight per vertex, from 0, which is carried along, to 1"),
+    ("weights", 2, "The weights of the surface are 0 wherever it is free"), ("target_weights", 3, "with a weight from 0 to 1 per vertex"),
     ("landmark_tolerance", -1.0, "The tolerance of the landmarks"), ("fit_steps", 1, "A fit takes 2 to 10000 steps"), ("samples", 5, "At least 100 places"), ("samples", 2**31 - 1, "at most 1000000"),
     ("transforms", "2: translate 0 0 1", "no vertex has tag 2"), ("landmarks_file", "/no/such.csv", "Cannot open '/no/such.csv'")])
 def test_a_value_that_makes_no_sense_changes_nothing(name, value, word):
@@ -576,7 +576,7 @@ def test_curves_that_lie_elsewhere(tmp_path):
                 curves_file=curve_file(tmp_path / "c.csv", a=(line_along(), line_along() + [0, 3, 0])))
     check_error(ms, "Curve 1 has all its points on the target at one place",
                 curves_file=curve_file(tmp_path / "c.csv", a=(line_along(), [[0.4, 0, 1], [0.4, 1e-300, 1]])))
-    check_error(ms, "Curves lead onto the target", curves_file=file(line_along()), landmarks_only=True,
+    check_error(ms, "Curves do not go with 'landmarks_only'", curves_file=file(line_along()), landmarks_only=True,
                 landmarks_file=point_file(tmp_path / "p.csv", "index", [5], None, np.zeros((1, 3))))
     set_quality(ms, "z < 3 ? 0 : 1")
     check_error(ms, "line 6: the curve 'b' lies where nothing of 'tube' is free", curves_file=file(line_along(end=2)))

@@ -675,7 +675,7 @@ def test_lines_that_points_do_not_see_beyond_are_told(capfd):
 
 
 WARNINGS = {
-    "rigid": "moves rigidly", "overruled": "at the same place as a fixed vertex", "strained": "straight from one held region to another",
+    "rigid": "moves rigidly", "overruled": "at the same place as a fixed vertex", "strained": "two held regions that move differently",
     "folded": " flipped:", "still": "No handle moves"}
 
 

@@ -379,7 +379,7 @@ def test_a_layer_keeps_its_poses(tmp_path):
     assert ms.apply_filter(SEQUENCE)["poses"] == 1  # those of the last time that went well
     ms.set_current_mesh(0)
     ms.apply_filter("set_matrix", transformmatrix=np.diag([2.0, 2, 2, 1]), freeze=False)
-    with pytest.raises(pymeshlab.PyMeshLabException, match="'tube': The poses are of another surface, or of one that lay elsewhere"):
+    with pytest.raises(pymeshlab.PyMeshLabException, match="'tube': The poses are of another surface, or of this one at another place"):
         ms.apply_filter(SEQUENCE)
     for leaves in ("generate_copy_of_current_mesh", "save"):
         other = layers()

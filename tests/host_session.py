@@ -343,7 +343,7 @@ def test_the_fit_that_a_layer_shows_goes_along(tmp_path):
     assert same_points(again.current_mesh().vertex_matrix(), shapes[2])
     again.apply_filter("set_matrix", transformmatrix=np.diag([3.0, 3, 3, 1]), freeze=False)
     assert not again.apply_filter(SAVE, session_file=str(again_file))["fitted"]
-    refused(again, "is of a layer with another matrix than .* its fit, are told in the world", session_file=str(file))
+    refused(again, "was saved with another matrix than .* or fit are in world coordinates", session_file=str(file))
 
     for key, wrong, what in (("shown", 3, "shown is out of range"), ("shown", True, "shown is no number"), ("matrix", np.zeros(3), "matrix has not the values"),
                              ("matrix", np.zeros((4, 4)), "matrix is none that a layer can have")):
@@ -439,7 +439,7 @@ def test_a_layer_without_a_matrix_gets_that_of_its_session(tmp_path):
         assert same_points(again.current_mesh().vertex_matrix(), shapes[2])
     for far in (np.round(matrix, 2), matrix + np.eye(4)[:, [3, 1, 2, 0]] * [[0, 0, 0, 1], [0] * 4, [0] * 4, [0] * 4]):
         again.apply_filter("set_matrix", transformmatrix=far, freeze=False)
-        refused(again, "is of a layer with another matrix than .* Reset the layer's matrix", session_file=str(file))
+        refused(again, "was saved with another matrix than .* Reset the layer's matrix", session_file=str(file))
     flat = np.diag([1.0, 1, 0, 1])
     for wrong, what in ((with_tool(data, matrix=flat), "matrix is none that a layer can have"), (with_tool(data, state=True), "state is no text")):
         file.write_bytes(wrong)

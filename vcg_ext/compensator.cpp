@@ -150,8 +150,8 @@ Compensation::Compensation(const SurfaceView &nominal, const SurfaceView &scan, 
         before.push_back((surface.Match(rigid).point - rigid).norm());
     }
     if (left.size() < 10)
-        throw BadInput("Nothing of the nominal part has a counterpart on the scan. Lay one onto the other first, with "
-                       "a rigid alignment, or raise largest_distance.");
+        throw BadInput("Nothing of the nominal part has a counterpart on the scan. Align them rigidly first, or raise "
+                       "largest_distance.");
     std::vector<double> sorted = left;
     std::sort(sorted.begin(), sorted.end());
     const double most = farOff * sorted[sorted.size() * 19 / 20];

@@ -12,7 +12,7 @@ namespace vcg::fcd {
 
 namespace {
 
-/// The box of the nodes of a region, world units but for the origin.
+/// The box of the nodes of a region, in world units, with an origin of its own.
 Eigen::AlignedBox3d BoxOf(const MovingRegion &region) {
     const Frame &frame = region.surface.frame;
     const Eigen::Matrix3Xf &at = region.graph.graph.position;

@@ -48,9 +48,8 @@ Fitter::Fitter(const SurfaceView &source, const NormalOf &normal, const Handles 
         nodeWeight = WeightsAtNodes(source, weight, *deformer);
     sample = EvenSample(deformer->Whole(), std::size_t(param.samples), nodeWeight);
     if (sample.empty() && !nodeWeight.empty())
-        throw BadInput(
-            "The weights of the surface are 0 wherever it is free, so nothing of it can be matched. Give what "
-            "counts one up to 1.");
+        throw BadInput("The weights of the surface are 0 wherever it is free, so nothing of it can be matched. Raise "
+                       "them where it counts, up to 1.");
     sampleNormal = NormalsAtNodes(source, normal, *deformer, sample);
     progress(1, "Preparing the fit");
 }

@@ -77,7 +77,8 @@ std::vector<Eigen::Vector3d> Fitter::Lead(const std::vector<Landmark> &landmark,
     std::vector<Eigen::Vector3d> place;
     for (const Landmark &each : landmark) {
         if (each.vertex >= source.vertexSlots || source.IsDeleted(each.vertex) || !each.target.allFinite())
-            throw BadInput("Landmark " + std::to_string(place.size() + 1) + " is no vertex, or belongs nowhere.");
+            throw BadInput("Landmark " + std::to_string(place.size() + 1) +
+                           " is at no vertex, or its target is not finite.");
         const Index node = deformer->nodeOf[each.vertex];
         place.push_back(region.surface.frame.ToFrame(handles.world.inverse() * each.target));
         if (node < 0 || region.held.tag[std::size_t(node)] != 1)
@@ -136,7 +137,7 @@ std::vector<double> Fitter::Residuals(const std::vector<Landmark> &pair, const P
     for (const Landmark &each : pair) {
         if (each.vertex >= source.vertexSlots || source.IsDeleted(each.vertex) || !each.target.allFinite())
             throw BadInput("Pair " + std::to_string(off.size()) +
-                           " of those to check, counted from 0, is no vertex, or belongs nowhere.");
+                           " of those to check, counted from 0, is at no vertex, or its target is not finite.");
         off.push_back((handles.world * position.col(Eigen::Index(each.vertex)) - each.target).norm());
     }
     return off;

@@ -28,7 +28,7 @@ void FitParam::ValidateFit() const {
     if (!(stiffness > 0) || std::isinf(stiffness))
         throw BadInput("The stiffness must be a positive, finite number; 1 is the default.");
     if (!(rigidity >= 0 && rigidity <= 1))
-        throw BadInput("The rigidity must be from 0, where what stretches all over costs nothing, to 1, the default.");
+        throw BadInput("The rigidity must be from 0 (smooth) to 1 (rigid, the default).");
     if (!(largestDistance > 0))
         throw BadInput("The largest distance of matches must be positive.");
     if (!(largestAngle > 0 && largestAngle <= 180))

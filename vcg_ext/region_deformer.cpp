@@ -29,7 +29,7 @@ void DeformationParam::Validate() const {
     if (rigidity < 1 && elastic)
         throw BadInput("A rigidity below 1 lets the surface stretch, and elastic keeps its volume; take one of them.");
     if (rigidity < 1 && graphWeights == GraphWeights::Printed)
-        throw BadInput("A rigidity below 1 is none of the method as printed; take other graph weights.");
+        throw BadInput("A rigidity below 1 does not go with the method as printed; take other graph weights.");
     if (!std::isfinite(pose))
         throw BadInput("The pose must be a finite number of percent.");
     if (steps < 1 || steps > 1000)

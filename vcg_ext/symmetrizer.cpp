@@ -22,8 +22,8 @@ constexpr std::size_t places = 2000;
 // A bend by half a radian to each side needs degree 5 to be told to a thousandth of the diagonal (of twice the bend,
 // the series of the cosine ends with the power of 4, and it is sheared); more would follow single features. One of
 // degree 3 from fewer places tells which of several planes is the right one: that in which the surface is its mirror
-// image but for a warp. It is sure where the next one's misfit is so many times as large; that of a surface that is its
-// own mirror image in both is the same, but for noise. Below a ten-thousandth of the diagonal, both are as good as
+// image up to a warp. It is sure where the next one's misfit is so many times as large; that of a surface that is its
+// own mirror image in both is the same, up to noise. Below a ten-thousandth of the diagonal, both are as good as
 // perfect.
 constexpr int degree = 5, roughDegree = 3;
 constexpr std::size_t roughPlaces = 500;
@@ -32,7 +32,7 @@ constexpr double apart = 0.05; // of the diagonal: counterparts that are farther
 // Landmarks beside the surface, which tells nothing along itself: more than a match does there (a hundredth).
 constexpr double landmarkWeight = 0.1;
 
-/// From the world to the frame, and back; both are alike but for scale and place.
+/// From the world to the frame, and back; both are alike up to scale and place.
 class InWorld {
   public:
     InWorld(const Frame &frame, const Eigen::Affine3d &world)
@@ -91,7 +91,7 @@ MirrorPlane InFrame(const MirrorPlane &plane, const InWorld &world) {
     return {world.Back(plane.point), plane.normal.normalized()};
 }
 
-/// The plane in which the surface is its mirror image, but for a warp: of those in which it is so equally well, the one
+/// The plane in which the surface is its mirror image, up to a warp: of several that are equally good, the one
 /// in which it is most like that without a warp.
 template <class GoalIn>
 MirrorPlane BestPlane(const std::vector<MirrorPlane> &planes, const GoalIn &goalIn, bool &isSure,

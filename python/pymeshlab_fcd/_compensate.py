@@ -30,7 +30,7 @@ class CompensationInfo:
     change_most: float
     """The largest of these distances."""
     missed: float
-    """Largest distance of the part that is predicted to come out from the nominal vertices."""
+    """How far, at most, the predicted print is off the nominal vertices."""
 
 
 class Compensated:
@@ -65,7 +65,7 @@ class Compensated:
         points : array_like
             k x 3, finite.
         progress : Progress, optional
-            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+            Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
         """
         return self._way.apply(_inputs.finite("points", _inputs.rows("points", points, lent=True)), False, report(progress))
 
@@ -77,7 +77,7 @@ class Compensated:
         points : array_like
             k x 3, finite.
         progress : Progress, optional
-            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+            Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
         """
         return self._way.apply(_inputs.finite("points", _inputs.rows("points", points, lent=True)), True, report(progress))
 
@@ -98,12 +98,11 @@ def compensate(
     threads: int = 0,
     progress: Progress = None,
 ) -> Compensated:
-    """Tells what to print so that the nominal part comes out. The scan of a printed part tells the warp; this turns it round. The warp is a
-    smooth one of all of space. So flat faces, round holes and sharp edges stay what they are, parts that were not scanned go with the
-    others, and noise does not come through. Welded or not makes no difference. Meshes of other libraries bring their faces:
-    `compensate(mesh, scan)`.
+    """Tells what to print so that the nominal part comes out. The scan of a printed part tells the warp; this turns it round. The warp is
+    smooth and moves all of space. So flat faces, round holes and sharp edges stay what they are, parts that were not scanned go along, and
+    noise does not come through. Vertices need not be welded. Meshes of other libraries bring their faces: `compensate(mesh, scan)`.
 
-    The method assumes that a place is warped as the nominal part was there. If the change is large, print, scan and compensate again.
+    The method assumes that the next print warps at each place as this one did. If the change is large, print, scan and compensate again.
 
     Parameters
     ----------
@@ -127,7 +126,7 @@ def compensate(
     threads : int, default 0
         How many to use; 0 is one a core.
     progress : Progress, optional
-        Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
 
     Returns
     -------
@@ -137,9 +136,9 @@ def compensate(
     Raises
     ------
     TypeError
-        Something is of another kind than what is asked for here.
+        An argument has the wrong type.
     ValueError
-        It has another shape or is out of range, the nominal part has no faces, or nothing of it has a counterpart on the scan.
+        An argument has the wrong shape, or is out of range, the nominal part has no faces, or nothing of it has a counterpart on the scan.
     KeyboardInterrupt
         Ctrl-C, at once; nothing is half done.
 

@@ -50,8 +50,8 @@ def deform(
     progress: Progress = None,
     weights: Distances | None = None,
 ) -> Points:
-    """Deforms a mesh or a cloud in one call: what [Deformer][pymeshlab_fcd.Deformer] and its
-    [pose][pymeshlab_fcd.Deformer.pose] do, where all parameters are explained.
+    """Deforms a mesh or a cloud in one call. [Deformer][pymeshlab_fcd.Deformer] and its
+    [pose][pymeshlab_fcd.Deformer.pose] explain all parameters.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def deform(
     percent : float, default 100.0
         How much of all motions is carried out.
     steps : int, default 1
-        The pose is reached over so many.
+        Number of steps to the pose.
     smoothness : float, default 0.0058
         0.001 is loose, 0.1 is stiff.
     falloff : {'smooth', 'linear', 'sharp', 'constant'}, default 'smooth'
@@ -80,7 +80,7 @@ def deform(
     rigidity : float, default 1.0
         1: as rigid as possible, 0: as a thin-plate spline, for what is sheared or grown.
     patches : int, default 0
-        How many patches to begin with; 0: as many as the surface is worth, 100 to 1500.
+        How many patches to begin with; 0: as many as the surface needs, 100 to 1500.
     target_radius : float, default 0.0
         How far a patch may reach; 0: automatic.
     seed : int, default 1
@@ -88,25 +88,25 @@ def deform(
     nodes : array_like, optional
         k x 3, centres of patches to use instead.
     graph_weights : {'border', 'uniform', 'paper', 'printed'}, default 'border'
-        `border`, `uniform`, `paper` or `printed`.
+        How strongly neighbouring patches hold together.
     distances : {'surface', 'euclidean'}, default 'surface'
-        `surface` or `euclidean`.
+        What a node may influence.
     influence : float, default 4.0
         How far a node reaches, in radii of its patch.
     loose_parts : {'follow', 'stay'}, default 'follow'
-        `follow` or `stay`.
+        What becomes of parts without a handle or fixed vertex.
     weld_distance : float, default 1e-06
         Fraction of the diagonal up to which vertices on open borders count as one.
     max_iterations : int, default 1000
         The shape is improved at most this often.
     tolerance : float, default 1e-05
-        When it is at rest, a fraction of the diagonal.
+        How near to rest the shape must come, a fraction of the diagonal.
     threads : int, default 0
         How many to use; 0 is one a core.
     progress : Progress, optional
-        Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
     weights : {'surface', 'euclidean'}, optional
-        What `distances` was called before.
+        The old name of `distances`.
 
     Returns
     -------
@@ -116,9 +116,9 @@ def deform(
     Raises
     ------
     TypeError
-        Something is of another kind than what is asked for here.
+        An argument has the wrong type.
     ValueError
-        It has another shape or is out of range, nothing is free, there is no handle, or a coordinate is not finite.
+        An argument has the wrong shape, or is out of range, nothing is free, there is no handle, or a coordinate is not finite.
     KeyboardInterrupt
         Ctrl-C, at once; nothing is half done.
 
@@ -183,7 +183,7 @@ def deformation(
     percent : float, default 100.0
         How much of all motions is carried out.
     steps : int, default 1
-        The pose is reached over so many.
+        Number of steps to the pose.
     smoothness : float, default 0.0058
         0.001 is loose, 0.1 is stiff.
     falloff : {'smooth', 'linear', 'sharp', 'constant'}, default 'smooth'
@@ -193,7 +193,7 @@ def deformation(
     rigidity : float, default 1.0
         1: as rigid as possible, 0: as a thin-plate spline, for what is sheared or grown.
     patches : int, default 0
-        How many patches to begin with; 0: as many as the surface is worth, 100 to 1500.
+        How many patches to begin with; 0: as many as the surface needs, 100 to 1500.
     target_radius : float, default 0.0
         How far a patch may reach; 0: automatic.
     seed : int, default 1
@@ -201,28 +201,28 @@ def deformation(
     nodes : array_like, optional
         k x 3, centres of patches to use instead.
     graph_weights : {'border', 'uniform', 'paper', 'printed'}, default 'border'
-        `border`, `uniform`, `paper` or `printed`.
+        How strongly neighbouring patches hold together.
     distances : {'surface', 'euclidean'}, default 'surface'
-        `surface` or `euclidean`.
+        What a node may influence.
     influence : float, default 4.0
         How far a node reaches, in radii of its patch.
     loose_parts : {'follow', 'stay'}, default 'follow'
-        `follow` or `stay`.
+        What becomes of parts without a handle or fixed vertex.
     weld_distance : float, default 1e-06
         Fraction of the diagonal up to which vertices on open borders count as one.
     max_iterations : int, default 1000
         The shape is improved at most this often.
     tolerance : float, default 1e-05
-        When it is at rest, a fraction of the diagonal.
+        How near to rest the shape must come, a fraction of the diagonal.
     accuracy : float, default 0.0
         How far a vertex may be off at most, in world units; 0: a fiftieth of the largest motion, at most a ten-thousandth of the diagonal
         of what moves.
     threads : int, default 0
         How many to use; 0 is one a core.
     progress : Progress, optional
-        Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
     weights : {'surface', 'euclidean'}, optional
-        What `distances` was called before.
+        The old name of `distances`.
 
     Returns
     -------
@@ -232,9 +232,9 @@ def deformation(
     Raises
     ------
     TypeError
-        Something is of another kind than what is asked for here.
+        An argument has the wrong type.
     ValueError
-        It has another shape or is out of range, nothing is free, there is no handle, or a coordinate is not finite.
+        An argument has the wrong shape, or is out of range, nothing is free, there is no handle, or a coordinate is not finite.
     KeyboardInterrupt
         Ctrl-C, at once; nothing is half done.
 

@@ -106,7 +106,7 @@ class Deformation:
         threads : int, default 1
             How many to use; 0 is one a core. Python's lock is free meanwhile.
         progress : Progress, optional
-            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+            Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
 
         Returns
         -------
@@ -116,9 +116,9 @@ class Deformation:
         Raises
         ------
         TypeError
-            Something is of another kind than what is asked for here.
+            An argument has the wrong type.
         ValueError
-            It has another shape.
+            An argument has the wrong shape.
         """
         rows = _inputs.rows("xyz", xyz, lent=True)
         beside = None if normals is None else _inputs.rows("normals", normals, len(rows), "one for each point", lent=True)
@@ -135,7 +135,7 @@ class Deformation:
         threads : int, default 1
             How many to use; 0 is one a core.
         progress : Progress, optional
-            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+            Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
 
         Returns
         -------
@@ -145,9 +145,9 @@ class Deformation:
         Raises
         ------
         TypeError
-            Something is of another kind than what is asked for here.
+            An argument has the wrong type.
         ValueError
-            It has another shape.
+            An argument has the wrong shape.
         """
         return self._field.linear(_inputs.rows("xyz", xyz, lent=True), _inputs.whole("threads", threads, 0, 1024), report(progress))
 
@@ -172,14 +172,14 @@ class Deformation:
         threads : int, default 0
             How many to use; 0 is one a core.
         progress : Progress, optional
-            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+            Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
 
         Raises
         ------
         TypeError
-            Something is of another kind than what is asked for here.
+            An argument has the wrong type.
         ValueError
-            It has another shape or is out of range, or the grid has more than 500 million points.
+            An argument has the wrong shape, or is out of range, or the grid has more than 500 million points.
         """
         steps = _inputs.finite("spacing", np.atleast_1d(plain("spacing", spacing)).astype(np.float64))
         if steps.shape not in ((1,), (3,)) or not (steps > 0).all():

@@ -50,8 +50,8 @@ class Weights:
     """What each of n vertices follows, as a sparse matrix of n rows in the CSR format.
 
     `to_scipy` makes it one of scipy. The first k columns are the nodes of the graph, the next ones the held regions (`tags`, 0 first: what
-    is fixed or outside), the last ones the landmarks. Each row's sum is 1, but for loose parts that follow another part: their rows are
-    empty.
+    is fixed or outside), the last ones the landmarks. Each row sums to 1, except those of loose parts that follow another part:
+    these are empty.
 
     Blending the nodes' motions with them comes near to a pose, but is not the same: the method blends to second order, and stretches
     what runs into held regions with the surface.
@@ -86,7 +86,7 @@ class SurfaceInfo:
     """What a surface is, as it was read."""
 
     nodes: int
-    """Of the deformation graph."""
+    """Nodes of the deformation graph."""
     fixed: int
     """Vertices with tag 0."""
     handle: int
@@ -106,7 +106,7 @@ class SurfaceInfo:
     gaps: int
     """Vertices on open borders that are close to another border, and are not joined with it."""
     one_sided: int
-    """Points of a cloud that see others along their own line alone."""
+    """Points of a cloud whose neighbours all lie along their own scan line."""
     unenclosed: int
     """Connected parts that were to keep their volume (`elastic`) and enclose none."""
     isolated: int
@@ -118,7 +118,7 @@ class SurfaceInfo:
     placed_nodes: int
     """How many of the given `nodes` lie on the surface, and are used."""
     seconds: float
-    """That preparing took."""
+    """Time that preparing took."""
 
 
 _CHANGED: Final = ("{} has been changed since it was given with copy=False: give it anew, or leave copy=False out, so that there is a "
@@ -162,8 +162,8 @@ class Deformer(Unchanging):
         n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside (stays, and has no influence). None: all is free but the
         landmarks.
     points : array_like, optional
-        Landmarks, which are put somewhere, while how the surface turns there is left to it: k numbers of free vertices, or k x 3 places, of
-        which the nearest vertices are taken.
+        Landmarks: points that each pose puts somewhere, while the surface turns freely there. k numbers of free vertices, or k x 3 places,
+        which stand for the nearest vertices.
     normals : array_like, optional
         n x 3, at rest, which poses turn with the surface. None: poses have those of their faces.
     copy : bool, default True
@@ -176,14 +176,14 @@ class Deformer(Unchanging):
         to a peak at the handle, `constant` with a plateau around the handle and the bend far from it.
     elastic : bool, default False
         Each connected part of what is free keeps its volume, to a thousandth: what is squeezed gets thicker, what is pulled thinner. A cloud
-        and an open sheet have none, which a VolumeWarning says.
+        and an open sheet have no volume; a VolumeWarning says so.
     rigidity : float, default 1.0
         How much of the stiffness is against stretching, 0 to 1. 1: as rigid as possible, for what bends, as bodies do. 0: smooth, for what is
         sheared, scaled or grown all over, as one skull to another by its landmarks; only a change of the map from place to place costs, as in
         a thin-plate spline. Large turns need rigidity. Below 1 there is no `elastic` and no `graph_weights="printed"`.
     patches : int, default 0
-        How many patches to begin with; more let the deformation bend in finer detail (k0 of sec. 2.1). 0: as many as the surface is
-        worth, whatever its number of vertices: some 300 for most, 100 where little bends, up to 1500 where it is thin, folded or torn.
+        How many patches to begin with; more let the deformation bend in finer detail (k0 of sec. 2.1). 0: as many as the surface
+        needs, whatever its number of vertices: some 300 for most, 100 where little bends, up to 1500 where it is thin, folded or torn.
     target_radius : float, default 0.0
         How far a patch may reach from its centre, in units of the vertices, from 0. 0: from the number of patches and the area that can
         bend (D of sec. 2.1).
@@ -205,20 +205,20 @@ class Deformer(Unchanging):
     max_iterations : int, default 1000
         The shape is improved at most this often, from 1.
     tolerance : float, default 1e-05
-        At rest is where no node is farther from where it comes to rest than ten times this fraction of the diagonal, more than 0.
+        The shape is at rest when no node is farther from its final place than ten times this fraction of the diagonal, more than 0.
     threads : int, default 0
         How many to use, for its poses, too; 0 is one a core.
     progress : Progress, optional
-        Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
     weights : {'surface', 'euclidean'}, optional
-        What `distances` was called before.
+        The old name of `distances`.
 
     Raises
     ------
     TypeError
-        Something is of another kind than what is asked for here.
+        An argument has the wrong type.
     ValueError
-        It has another shape or is out of range, nothing is free, there is no handle, or a coordinate is not finite.
+        An argument has the wrong shape, or is out of range, nothing is free, there is no handle, or a coordinate is not finite.
     MemoryError
         There is not enough of it.
     KeyboardInterrupt
@@ -500,14 +500,14 @@ class Deformer(Unchanging):
             triangles, those that pass through others. Looking for these takes longer than the pose. `Pose.contact` and `Pose.info`
             look for them, too.
         progress : Progress, optional
-            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+            Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
 
         Raises
         ------
         TypeError
-            Something is of another kind than what is asked for here.
+            An argument has the wrong type.
         ValueError
-            It has another shape or is out of range, or a handle that moves does not exist.
+            An argument has the wrong shape, or is out of range, or a handle that moves does not exist.
         KeyboardInterrupt
             Ctrl-C, at once; then `out` may have been written to, and nothing else is half done.
 
@@ -542,7 +542,7 @@ class Deformer(Unchanging):
         steps : int, default 1
             Each pose is reached over so many.
         progress : Progress, optional
-            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+            Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
 
         Returns
         -------
@@ -552,9 +552,9 @@ class Deformer(Unchanging):
         Raises
         ------
         TypeError
-            Something is of another kind than what is asked for here.
+            An argument has the wrong type.
         ValueError
-            It has another shape or is out of range, or a handle that moves does not exist.
+            An argument has the wrong shape, or is out of range, or a handle that moves does not exist.
         KeyboardInterrupt
             Ctrl-C, at once.
         """
@@ -647,7 +647,7 @@ class Deformer(Unchanging):
         Parameters
         ----------
         progress : Progress, optional
-            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+            Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
         """
         indptr, indices, data, tags = self._prepared.weights(report(progress))
         columns = self.info.nodes + len(tags) + len(self._points)

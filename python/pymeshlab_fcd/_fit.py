@@ -44,7 +44,7 @@ class FitInfo(PoseInfo):
     counted: float
     """Share of the free surface that counts, with `weights` above 0; the rest was carried along."""
     carried: int
-    """Number of separate parts that were carried by others, since nothing of the target leads them."""
+    """Number of separate parts without a counterpart, which the parts around carried."""
     moved: float
     """Way of the matched surface from rest, median."""
     moved_most: float
@@ -64,7 +64,7 @@ class FitInfo(PoseInfo):
     curve_residual: float
     """The largest distance of a vertex or place of `curves` from its curve; 0 without any."""
     landmark_pull: float
-    """The remaining stretch at landmarks: large if they contradict each other."""
+    """How far nodes gave way at most so that all landmarks are met: large if these contradict each other or the target."""
     both_ways: bool
     """Whether places of the target drew the nearest surface, too: on request, or because it fits better."""
     inside_out: bool
@@ -151,8 +151,8 @@ class Fitter(Unchanging):
         n x 3, at rest, which turn with the surface, and tell the sides of a cloud apart. None: those of its faces.
     weights : array_like, optional
         n numbers from 0 to 1, or a mask: how much the match of each vertex counts. A vertex of weight 0 is not matched, but carried along,
-        as a part that the target lacks. None: all counts. Whatever its weight, a separate part that nothing of the target leads is carried by
-        the parts around it.
+        as a part that the target lacks. None: all counts. Whatever its weight, a separate part without a counterpart is carried by the
+        parts around it.
     copy : bool, default True
         False: `vertices` and `normals` are referred to instead of copied, as by a [Deformer][pymeshlab_fcd.Deformer].
     start : {'as_they_lie', 'landmarks_rigid', 'landmarks_similar', 'axes'}, default 'as_they_lie'
@@ -192,14 +192,14 @@ class Fitter(Unchanging):
     threads : int, default 0
         How many to use; 0 is one a core.
     progress : Progress, optional
-        Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
 
     Raises
     ------
     TypeError
-        Something is of another kind than what is asked for here.
+        An argument has the wrong type.
     ValueError
-        It has another shape or is out of range, nothing is free, a handle that moves does not exist, or a coordinate is not finite.
+        An argument has the wrong shape, or is out of range, nothing is free, a handle that moves does not exist, or a coordinate is not finite.
     KeyboardInterrupt
         Ctrl-C, at once; nothing is half done.
     """
@@ -283,8 +283,7 @@ class Fitter(Unchanging):
         target_normals : array_like, optional
             k x 3, of a cloud: they tell its sides apart.
         target_weights : array_like, optional
-            k numbers from 0 to 1, or a mask: how much each vertex of the target counts. Weight 0 is as if the vertex were not there. None: all
-            counts.
+            k numbers from 0 to 1, or a mask: how much each vertex of the target counts. A vertex of weight 0 is ignored. None: all count.
         check : Sequence[array_like], optional
             Two arrays as of `landmarks`, of any vertices. The fit does not see these pairs; their distance from where they belong judges it
             (`FitInfo.check`).
@@ -297,7 +296,7 @@ class Fitter(Unchanging):
             in order. A polyline is closed if its last corner is its first. Landmarks hold the ends of an open one. Or pass what
             [read_curves][pymeshlab_fcd.read_curves] reads from a file, with a polyline on each.
         progress : Progress, optional
-            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+            Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
 
         Returns
         -------
@@ -307,9 +306,9 @@ class Fitter(Unchanging):
         Raises
         ------
         TypeError
-            Something is of another kind than what is asked for here.
+            An argument has the wrong type.
         ValueError
-            It has another shape or is out of range, the target is empty, a point or a line, nothing of the surface has a counterpart there,
+            An argument has the wrong shape, or is out of range, the target is empty, a point or a line, nothing of the surface has a counterpart there,
             landmarks or curves are not free, landmarks at one place, or the start does not go with them or with the tags.
         KeyboardInterrupt
             Ctrl-C, at once; nothing is half done.
@@ -509,7 +508,7 @@ def fit(
     threads : int, default 0
         How many to use; 0 is one a core.
     progress : Progress, optional
-        Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
 
     Returns
     -------
@@ -520,9 +519,9 @@ def fit(
     Raises
     ------
     TypeError
-        Something is of another kind than what is asked for here.
+        An argument has the wrong type.
     ValueError
-        It has another shape or is out of range, nothing is free, the target is empty, nothing has a counterpart there, landmarks or curves are
+        An argument has the wrong shape, or is out of range, nothing is free, the target is empty, nothing has a counterpart there, landmarks or curves are
         not free, landmarks at one place, or the start does not go with them or with the tags.
     KeyboardInterrupt
         Ctrl-C, at once; nothing is half done.

@@ -98,11 +98,10 @@ def weights(values: object, vertices: int, name: str = "weights") -> NDArray[np.
         return None
     array = plain(name, values)
     if array.shape != (vertices,) or array.dtype.kind not in "bfiu":
-        raise ValueError(f"{name} must be {vertices} numbers, one for each vertex, from 0, which is carried along, to 1; it is {told_shape(array)} "
-                         f"of {array.dtype}")
+        raise ValueError(f"{name} must be {vertices} numbers, one for each vertex, from 0 to 1; it is {told_shape(array)} of {array.dtype}")
     odd = ~((array >= 0) & (array <= 1))  # NaN, too
     if odd.any():
-        raise ValueError(f"{name} must be from 0, which is carried along, to 1; that of vertex {odd.argmax()} is {array[odd.argmax()]}")
+        raise ValueError(f"{name} must be from 0 (carried along) to 1; that of vertex {odd.argmax()} is {array[odd.argmax()]}")
     return own(array, np.float64)
 
 
@@ -119,7 +118,7 @@ def accuracy(value: object) -> float:
     """That of a saved deformation."""
     given = number("accuracy", value)
     if not 0 <= given < math.inf:
-        raise ValueError(f"accuracy must be a positive number, in world units, or 0 for that which the largest motion asks for; it is {given}")
+        raise ValueError(f"accuracy must be a positive number, in world units, or 0, so that the largest motion sets it; it is {given}")
     return given
 
 

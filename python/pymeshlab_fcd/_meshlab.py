@@ -100,9 +100,9 @@ def deform_layer(ms: Any, tags: ArrayLike | None, transforms: Transforms | None 
     RuntimeError
         As of [enable_pymeshlab][pymeshlab_fcd.enable_pymeshlab].
     TypeError
-        Something is of another kind than what is asked for here.
+        An argument has the wrong type.
     ValueError
-        It has another shape or is out of range.
+        An argument has the wrong shape, or is out of range.
     pymeshlab.PyMeshLabException
         It cannot be deformed; the message says why. The MeshSet is then as it was.
     """

@@ -140,8 +140,7 @@ class Motion:
         Parameters
         ----------
         text : str
-            For example `rotate 0 0 1 135 about 0 0 0 translate 0 0 5`, without the tag. What is wrong in it is told where the motion is
-            used.
+            For example `rotate 0 0 1 135 about 0 0 0 translate 0 0 5`, without the tag. Errors in it are raised when the motion is used.
 
         Raises
         ------

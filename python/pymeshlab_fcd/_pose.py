@@ -32,13 +32,13 @@ class PoseInfo:
     """What became of a pose."""
 
     nodes: int
-    """Of the deformation graph."""
+    """Nodes of the deformation graph."""
     iterations: int
-    """Of the solver, with those of the steps."""
+    """Iterations of the solver, in all steps."""
     converged: bool
     """Whether the shape came to rest."""
     energy: float
-    """Of Eq. 2, in squares of the units of the vertices."""
+    """Energy (Eq. 2 of the paper), in squares of the units of the vertices."""
     folded: int
     """Triangles that are flipped."""
     strained: int
@@ -46,7 +46,7 @@ class PoseInfo:
     largest_stretch: float
     """The largest of [stretch][pymeshlab_fcd.Pose.stretch]."""
     seconds: float
-    """That it took, without the check."""
+    """Time of the pose, without the check."""
     contact: int = field(kw_only=True)
     """Triangles that pass through the surface, and did not at rest; see [Pose.contact][pymeshlab_fcd.Pose.contact]."""
     contact_depth: float = field(kw_only=True)
@@ -249,7 +249,7 @@ class Pose(Unchanging):
         Parameters
         ----------
         progress : Progress, optional
-            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+            Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
         """
         return self._solved.error(progress)
 
@@ -260,7 +260,7 @@ class Pose(Unchanging):
         Parameters
         ----------
         progress : Progress, optional
-            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+            Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
         """
         return self._core.stretch(self.vertices, report(progress))
 
@@ -278,19 +278,19 @@ class Pose(Unchanging):
         normals : array_like, optional
             k x 3, to be turned along.
         progress : Progress, optional
-            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+            Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
 
         Returns
         -------
         ndarray or tuple[ndarray, ndarray]
-            The points, k x 3, and where normals are given these, too, as long as they were.
+            The points, k x 3, and if normals are given, these, as long as they were.
 
         Raises
         ------
         TypeError
-            Something is of another kind than what is asked for here.
+            An argument has the wrong type.
         ValueError
-            It has another shape.
+            An argument has the wrong shape.
         """
         rows = _inputs.rows("points", points, lent=True)
         beside = None if normals is None else _inputs.rows("normals", normals, len(rows), "one for each of points", lent=True)
@@ -325,7 +325,7 @@ class Pose(Unchanging):
             `Deformation.file_size` and `seconds` tell what came of it. 0: a fiftieth of the largest motion, at most a ten-thousandth of
             the diagonal of what moves.
         progress : Progress, optional
-            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+            Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
 
         Raises
         ------
@@ -390,9 +390,8 @@ def _describe(found: dict[str, Any]) -> list[Told]:
                      "a handle with a smaller number, and held as that one. Give all vertices at a place the same tag."))
     if found["strained"]:
         told.append((StretchWarning,
-                     f"{count(found['strained'], 'edge leads', 'edges lead')} straight from one held region to another that moves otherwise, "
-                     "and stretched or shrunk to less than half or more than twice the length (the longest: "
-                     f"{found['longest']:g} times). Leave free vertices between them."))
+                     f"{count(found['strained'], 'edge joins', 'edges join')} two held regions that move differently: less than half or more "
+                     f"than twice as long as at rest (the longest: {found['longest']:g} times). Leave free vertices between them."))
     if found["volume_off"]:
         told.append((VolumeWarning, f"The volume of what bends is off by {100 * found['volume_off']:.0f} percent: elastic makes a limb at most "
                                     "twice or half as thick. Move the handles less, or leave more of the surface free."))

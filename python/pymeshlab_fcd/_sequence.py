@@ -51,7 +51,7 @@ class AnimationInfo:
     """What became of an animation."""
 
     frames: int
-    """That were written."""
+    """Number of frames that were written."""
     largest_difference: float
     """By how much shapes of poses, mixed in straight lines, are off from the frames, at a vertex; 0 where each frame is a shape."""
     converged: bool
@@ -81,7 +81,7 @@ class PoseSequence:
     Raises
     ------
     TypeError
-        Something is of another kind than what is asked for here.
+        An argument has the wrong type.
     ValueError
         There is no pose, a name is empty, times do not ascend, or a key frame names a pose that is not there.
     """
@@ -205,7 +205,7 @@ class PoseSequence:
         check : bool, default True
             Also look for flipped triangles, and warn of them.
         progress : Progress, optional
-            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+            Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
 
         Raises
         ------
@@ -291,7 +291,7 @@ class PoseSequence:
         others : Sequence[Companion], optional
             Meshes and clouds that go along in the `.glb` file, in the same animation. Each vertex of theirs takes 104 bytes of memory.
         progress : Progress, optional
-            Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+            Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
 
         Raises
         ------

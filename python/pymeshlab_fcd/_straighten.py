@@ -23,15 +23,15 @@ class LineInfo:
     """What became of a line, and of the surface along it. Lengths are in units of the vertices."""
 
     length: float
-    """Of the line, before."""
+    """Length of the line before."""
     new_length: float
-    """And after."""
+    """Length of the line after."""
     jitter: float
-    """Of the points, across the line, root mean square a direction, that was removed. 0: none was."""
+    """Jitter of the points across the line that was removed, root mean square a direction. 0: none was."""
     left_middle: bool
-    """Whether `middle` was on, but the given line was taken: the surface would have been stretched more along the middles."""
+    """Whether the given line was taken in spite of `middle`, which would have stretched the surface more."""
     twist: float
-    """Of the surface about the line, from end to end, in degrees, that was removed with `untwist`; else 0."""
+    """Twist of the surface about the line that `untwist` removed, from end to end, in degrees; else 0."""
     following: int
     """Nodes of the deformation graph that go with the line."""
     released: int
@@ -134,7 +134,7 @@ def straighten(
     threads : int, default 0
         How many to use; 0 is one a core.
     progress : Progress, optional
-        Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
 
     Returns
     -------
@@ -145,9 +145,9 @@ def straighten(
     Raises
     ------
     TypeError
-        Something is of another kind than what is asked for here.
+        An argument has the wrong type.
     ValueError
-        It has another shape or is out of range; the line has one point, no extent, two points in a row at one place, is closed, turns back
+        An argument has the wrong shape, or is out of range; the line has one point, no extent, two points in a row at one place, is closed, turns back
         on itself or is elsewhere than the surface; cross-sections are too round to tell a twist.
     KeyboardInterrupt
         Ctrl-C, at once; nothing is half done.

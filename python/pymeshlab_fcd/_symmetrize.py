@@ -27,7 +27,7 @@ class SymmetryInfo:
     """How asymmetric a surface was, and what became of it. Lengths are in units of the vertices."""
 
     plane: tuple[tuple[float, float, float], tuple[float, float, float]]
-    """Of symmetry: a point on it, and its normal, of length 1."""
+    """The plane of symmetry: a point on it, and its normal, of length 1."""
     plane_from: PlaneFrom
     """`given`; by pairs and midline (`landmarks`); or the plane in which the surface is most like its mirror image (`surface`)."""
     is_sure: bool
@@ -209,7 +209,7 @@ def symmetrize(
     threads : int, default 0
         How many to use; 0 is one a core.
     progress : Progress, optional
-        Told what is being done; see [Progress][pymeshlab_fcd.Progress].
+        Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
 
     Returns
     -------
@@ -219,9 +219,9 @@ def symmetrize(
     Raises
     ------
     TypeError
-        Something is of another kind than what is asked for here.
+        An argument has the wrong type.
     ValueError
-        It has another shape or is out of range, a vertex is named twice as a landmark, the plane has no direction, or nothing has a
+        An argument has the wrong shape, or is out of range, a vertex is named twice as a landmark, the plane has no direction, or nothing has a
         counterpart.
     KeyboardInterrupt
         Ctrl-C, at once; nothing is half done.

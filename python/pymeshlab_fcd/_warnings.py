@@ -28,7 +28,7 @@ class ContactWarning(DeformationWarning):
 
 
 class StretchWarning(DeformationWarning):
-    """Edges lead straight from one held region to another, and are stretched."""
+    """Edges join two held regions that move differently, and are stretched."""
 
 
 class RigidWarning(DeformationWarning):
@@ -44,7 +44,7 @@ class SlitWarning(DeformationWarning):
 
 
 class ScanLineWarning(DeformationWarning):
-    """Points of a cloud hang together along their lines alone."""
+    """Points of a cloud are connected along their scan lines alone."""
 
 
 class VolumeWarning(DeformationWarning):

@@ -420,7 +420,7 @@ def test_of_another_surface(tmp_path):
     vertices, faces, tags = SURFACE
     with pytest.raises(ValueError, match="The poses are of another surface"):
         read.blend(Deformer(vertices + [0, 0, 1], faces, tags), {"bent": 100})
-    with pytest.raises(ValueError, match="this surface has points that are put somewhere, too"):
+    with pytest.raises(ValueError, match="this surface is prepared with points"):
         made.blend(Deformer(vertices, faces, tags, points=[700]), {"bent": 100})
     with pytest.raises(ValueError, match="pose 'odd': handle 7 moves, but no vertex has tag 7"):
         next(PoseSequence({"odd": {7: TURN}}).frames(deformer))

@@ -306,7 +306,7 @@ TEST(Rigidity, IsRefusedOutOfRangeAndWhereItContradicts) {
                   p.rigidity = 0.5;
                   p.graphWeights = GraphWeights::Printed;
               }),
-              "A rigidity below 1 is none of the method as printed; take other graph weights.");
+              "A rigidity below 1 does not go with the method as printed; take other graph weights.");
     SolverParam high = WithRigidity(0);
     high.smoothness = 1e307;
     const Rig rig = AffineRig();

@@ -695,7 +695,7 @@ TEST(Fit, TellsHowFarLandmarksAreWithoutThemselves) {
         [&] {
             fitter.Residuals({{999999, Vector3d::Zero()}}, without.position);
         },
-        "Pair 0 of those to check, counted from 0, is no vertex");
+        "Pair 0 of those to check, counted from 0, is at no vertex");
 }
 
 // A ball that sits at the sheet has no counterpart: it goes with the place where it sits, though parts of it are near
@@ -729,7 +729,7 @@ TEST(Fit, PartsThatNothingMatchesAreCarried) {
 TEST(Fit, SaysWhatHasNoSolution) {
     FitParam param;
     param.smoothness = 1e307; // no number holds what follows from it
-    EXPECT_NE(MessageOf<Unsolvable>([&] { Fit(source, target, param); }).find("no solution"), std::string::npos);
+    EXPECT_NE(MessageOf<Unsolvable>([&] { Fit(source, target, param); }).find("cannot be solved"), std::string::npos);
 }
 
 // Which have more than twice the vertices of the sheet, and hardly any area: it is no heap of parts.

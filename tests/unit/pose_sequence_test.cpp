@@ -184,7 +184,7 @@ TEST(PoseSequence, SaysWhatIsWrong) {
              {two + "1,,1\n1,,2\n", "A key frame at 1 s comes after one at 1 s. Their times must ascend."},
              {two + "-1,,1\n", "A key frame is at -1 s. Times are finite numbers from 0."},
              {"time,easing,a,a\nmotions\n", "Two poses are called 'a'."},
-             {"time,easing,,a\nmotions\n", "A pose has no name."}})
+             {"time,easing,,a\nmotions\n", "A pose has no name. Give it one."}})
         EXPECT_NE(of(text).find(expected), std::string::npos) << of(text);
     PoseSequence none;
     EXPECT_NE(MessageOf<BadInput>([&] { none.Validate(); }).find("There is no pose."), std::string::npos);
@@ -289,7 +289,7 @@ TEST(SequenceSolver, HasNoPoints) {
     rig.deformer = PrepareDeformer(rig.arrays, rig.handles, rig.param);
     EXPECT_NE(MessageOf<BadInput>([&] {
                   SequenceSolver(*rig.deformer, rig.handles.world, rig.motions, rig.param);
-              }).find("this surface has points that are put somewhere, too"),
+              }).find("this surface is prepared with points"),
               std::string::npos);
 }
 

@@ -128,8 +128,8 @@ SampledField SampleField(const SurfaceView &mesh, const Eigen::Matrix3Xd &rest, 
     assert(linear.size() == mesh.vertexSlots);
     assert(regionOf.empty() || regionOf.size() == mesh.vertexSlots);
     if (!(param.accuracy >= 0) || std::isinf(param.accuracy))
-        throw BadInput("The accuracy of a saved deformation must be a positive number, or 0 for that which its largest "
-                       "motion asks for.");
+        throw BadInput(
+            "The accuracy of a saved deformation must be a positive number, or 0: its largest motion then sets it.");
     const SurfaceGraph surface = BuildSurfaceGraph(mesh, nullptr, {}, metric, progress.Slice(0, 0.2));
     std::vector<std::array<Index, 3>> face;
     face.reserve(mesh.faces);

@@ -87,7 +87,7 @@ float CheckedWeight(const WeightOf &weight, std::size_t slot, const char *what) 
     if (!(its >= 0 && its <= 1))
         throw BadInput(std::string("The weight of vertex ") + std::to_string(slot) + " of the " + what + " is " +
                        (std::isnan(its) ? "no number" : std::to_string(its)) +
-                       "; give each vertex one from 0, which is carried along, to 1.");
+                       ". Give each vertex a weight from 0 to 1; what has 0 is carried along.");
     return float(its);
 }
 

@@ -267,8 +267,8 @@ void FitSystem::Factorize() {
         factor.factorize(matrix);
     isNew = isFactored = (isDense ? denseFactor.info() : factor.info()) == Eigen::Success;
     if (!isFactored)
-        throw Unsolvable("The fit has no solution in numbers. Take stiffness and smoothness nearer to their defaults, "
-                         "or check the target for strays.");
+        throw Unsolvable("The fit cannot be solved in double precision. Take stiffness and smoothness nearer to their "
+                         "defaults, or remove stray points of the target.");
 }
 
 void FitSystem::Take(const Change &step, GraphPose &pose) {

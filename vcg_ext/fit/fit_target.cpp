@@ -89,9 +89,8 @@ FitTarget::FitTarget(const SurfaceView &target, const std::function<Eigen::Vecto
         const CountingPart part(target, weightOf);
         leftOut = part.leftOut;
         if (weightOf && !part.any)
-            throw BadInput(
-                "The weights of the target are 0 all over, so nothing of it can be matched. Give what counts "
-                "one up to 1.");
+            throw BadInput("The weights of the target are 0 all over, so nothing of it can be matched. Raise them "
+                           "where it counts, up to 1.");
         std::size_t i = 0;
         while (i < part.view.vertexSlots && part.view.IsDeleted(i))
             ++i;
@@ -140,7 +139,7 @@ std::vector<Corners> FitTarget::ReadTriangles(const SurfaceView &target, const E
         if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0] || std::min({c[0], c[1], c[2]}) < 0)
             continue;
         const Eigen::Vector3d p = position.col(c[0]), one = position.col(c[1]) - p, other = position.col(c[2]) - p;
-        if (one.cross(other).norm() > 1e-12 * one.norm() * other.norm()) // else a line, but for rounding: no plane
+        if (one.cross(other).norm() > 1e-12 * one.norm() * other.norm()) // else a line, up to rounding: no plane
             triangle.push_back(c);
     }
     if (triangle.empty())

@@ -237,7 +237,7 @@ std::size_t NearestPoint(const Eigen::Matrix3Xd &point, const Eigen::Vector3d &p
         const std::size_t begin = first + k * coarse, end = std::min(last + 1, begin + coarse);
         if (k + 1 < count) {
             const double both = distance[k] + distance[k + 1], way = double(coarse) * step;
-            if (0.5 * (both - way) > bound + 1e-9 * (both + way)) // but for rounding
+            if (0.5 * (both - way) > bound + 1e-9 * (both + way)) // up to rounding
                 continue;
         }
         for (std::size_t i = begin; i < end; ++i)

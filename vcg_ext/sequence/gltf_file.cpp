@@ -16,7 +16,7 @@ namespace vcg::fcd {
 namespace {
 
 constexpr std::size_t headBytes = 20; // of the file and of the chunk with the JSON
-// Frames with a shape each whose weights, 0 but for one a frame, are all written, as every reader reads them: 4 MB.
+// Up to so many frames with a shape each, all weights are written, as every reader reads them: 4 MB. All but one are 0.
 constexpr std::size_t mostDense = 1024;
 // Of more, only those that are not 0 (sparse accessors), at numbers of 32 bits.
 constexpr std::size_t mostFrames = 65536;

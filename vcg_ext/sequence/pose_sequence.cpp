@@ -95,7 +95,7 @@ void PoseSequence::Validate() const {
     std::set<std::string> names;
     for (const NamedPose &each : pose) {
         if (each.name.empty())
-            throw BadInput("A pose has no name.");
+            throw BadInput("A pose has no name. Give it one.");
         if (!names.insert(each.name).second)
             throw BadInput("Two poses are called " + detail::Excerpt(each.name, 0, each.name.size()) +
                            ". Give each a name of its own.");
@@ -117,9 +117,9 @@ void PoseSequence::Validate() const {
 
 void PoseSequence::ExpectSurface(const SurfaceMark &other) const {
     if (surface && !surface->IsSame(other))
-        throw BadInput("The poses are of another surface, or of one that lay elsewhere: of " + MarkText(*surface) +
+        throw BadInput("The poses are of another surface, or of this one at another place: of " + MarkText(*surface) +
                        ", while this one has " + MarkText(other) +
-                       ". Where they are meant all the same, leave the row 'surface' out.");
+                       ". To use them all the same, delete the row 'surface'.");
 }
 
 PoseSequence ReadPoseSequence(const std::string &text, const std::string &name) {

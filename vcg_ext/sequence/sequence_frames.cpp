@@ -31,7 +31,7 @@ std::vector<Stop> StopsOf(const PoseSequence &sequence, double rate, bool frames
         const double time = sequence.key[i].time;
         const auto at =
             std::find_if(stops.begin(), stops.end(), [&](const Stop &each) { return each.time >= time - 1e-6 / rate; });
-        if (at != stops.end() && at->frame != Stop::none && at->time <= time + 1e-6 / rate) // but for rounding
+        if (at != stops.end() && at->frame != Stop::none && at->time <= time + 1e-6 / rate) // up to rounding
             at->key = i;
         else
             stops.insert(at, {time, Stop::none, i});
@@ -225,8 +225,7 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
     const std::vector<double> time = FrameTimes(sequence, output.rate);
     const std::vector<Stop> stops = StopsOf(sequence, output.rate, frames, bool(output.keyFrame));
     if (stops.empty())
-        throw BadInput("There is nothing to make of the poses: no key frames, or no file and no layers that are asked "
-                       "for.");
+        throw BadInput("There is nothing to make of the poses. Give key frames, and a file or layers to make.");
     SequenceSolver solver(deformer, handles.world, motions, param);
     SequenceReport report;
     Eigen::Matrix3Xd position;

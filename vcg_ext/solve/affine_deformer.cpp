@@ -118,7 +118,7 @@ void AffineDeformer::Factorise(const PoseTerms &given, const Progress &progress)
                          "smoothness nearer to its default.");
 }
 
-/// Each node as \p common moves it, but for what is given.
+/// Each node as \p common moves it, except what is given.
 detail::GraphEnergy::State AffineDeformer::Base(const std::vector<Eigen::Affine3d> &motion,
                                                 const Eigen::Affine3d &common) const {
     const Index k = graph.Size();

@@ -181,7 +181,7 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *r
     SmoothWarp warp;
     std::vector<Eigen::Vector3d> at = goal.place, normal = goal.normal;
     std::vector<WarpMatch> match(places);
-    std::vector<double> far(places), share(places), found; // share: how much each match counts, but for its distance
+    std::vector<double> far(places), share(places), found; // share: how much each match counts, apart from its distance
     for (int degree = 1; degree <= goal.degree; ++degree) {
         warp = SmoothWarp(middle, radius, degree);
         const Eigen::Index n = warp.Size();
