@@ -37,11 +37,11 @@ struct BendHandle {
     }
 };
 
-/// A point of the line that a layer is straightened along: a place of its surface, which goes with it.
+/// A point of the line that a layer is straightened along: on its surface, and then it moves along, or in the world.
 struct BendLinePoint {
     std::array<std::size_t, 3> corner{};              ///< slots of vertices
-    Eigen::Vector3d weight = Eigen::Vector3d::Zero(); ///< of these, whose mean it is; all 0: it is none of the layer's,
-    Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< and is here, in the world
+    Eigen::Vector3d weight = Eigen::Vector3d::Zero(); ///< barycentric, of these; all 0: the point is not on the surface
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< then it is here, in the world
 
     bool operator==(const BendLinePoint &other) const {
         return corner == other.corner && weight == other.weight && place == other.place;
@@ -75,7 +75,7 @@ struct BendState {
     std::shared_ptr<const vcg::fcd::PoseSequence> poses;     ///< that have names; null: none
     std::vector<double> weights;     ///< percent of each of these, where the motions are their blend; else empty
     std::vector<BendLinePoint> line; ///< in its order
-    std::size_t applies = 0;         ///< since the session began: each made the shape of then the rest shape
+    std::size_t applies = 0;         ///< in place, since the session began: each made its shape the rest shape
     std::size_t loads = 0;           ///< of files, since then: each brought options
 
     bool operator==(const BendState &other) const;

@@ -31,8 +31,8 @@ class KeptVertices {
         return isOld(i) && vertexOf(i).hasColor && vertexOf(i).tagColor == numberOf(mesh.vert[i].cC());
     }
     bool isQualityTag(std::size_t i) const { return areTags && isOld(i) && vertexOf(i).hasQuality(); }
-    /// The colour of before, of a vertex that has the colour of a tag. A new one that has a mixture of these has what
-    /// was at its place, where the layer has the shape still that it was tagged in.
+    /// The colour before tagging, of a vertex that has the colour of its tag. A new vertex with a mixture of such
+    /// colours gets what was at its place, if the layer still has the shape in which it was tagged.
     std::optional<vcg::Color4b> color(std::size_t i) const;
     /// The same, of the quality.
     std::optional<CVertexO::QualityType> quality(std::size_t i) const;

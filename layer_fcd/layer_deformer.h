@@ -14,10 +14,10 @@
 /// What FCD: Deform Mesh did.
 struct DeformedLayers {
     vcg::fcd::DeformationResult result;
-    std::vector<MeshModel *> layers; ///< that are new, the deformed one last
-    double percent = 0;              ///< of the motion
-    bool isStopped = false;          ///< that is less than was asked for, as the surface would pass through itself
-    int replaced = 0;                ///< layers of an earlier try, which are gone
+    std::vector<MeshModel *> layers; ///< the new ones, the deformed one last
+    double percent = 0;              ///< how much of the motion was carried out
+    bool isStopped = false;          ///< at contact, before all that was asked for
+    int replaced = 0;                ///< number of layers of an earlier try that were deleted
     bool isOwnGraph = false;         ///< the graph layer is the graph that the parameters make
     vcg::fcd::Index givenNodes = 0;  ///< of the graph layer
 };
@@ -34,15 +34,15 @@ struct PoseResult {
     double secondsFind = 0, secondsPrepare = 0, secondsSolve = 0, secondsMap = 0, secondsNormals = 0;
 };
 
-/// A layer that is deformed, by a filter or by the tool: what holds it, its deformer, which is found or prepared, and
-/// how its handles move. deform() and pose() are the filters; the steps that they are made of, in their order, are
-/// there for whoever has tags and motions at hand.
+/// Deforms a layer, for a filter or for the tool: reads what holds it, finds or prepares its deformer, reads how
+/// handles move. deform() and pose() are the filters. Their steps follow in their order, for callers that have tags and
+/// motions.
 class LayerDeformer {
   public:
     /// \param preparedLayers where deformers are found, and kept \param remark may be empty
     LayerDeformer(MeshDocument &document, MeshModel &layer, PreparedLayers &preparedLayers, Remark remark = {});
 
-    /// FCD: Deform Mesh: the result is in new layers. \param replaceEarlier those of the try before go
+    /// FCD: Deform Mesh: the result is in new layers. \param replaceEarlier deletes those of the try before
     /// \throw vcg::fcd::Error each message says what to do \throw vcg::fcd::Cancelled; the document is then as it was
     DeformedLayers deform(DeformMeshParam param, bool replaceEarlier, const vcg::fcd::Progress &progress);
 
@@ -59,8 +59,8 @@ class LayerDeformer {
     /// Finds what is prepared for these, or prepares it. \return whether it was prepared anew
     /// \throw vcg::fcd::Error no handle, nothing free, ... \throw vcg::fcd::Cancelled
     bool prepare(const vcg::fcd::DeformerParam &param, const vcg::fcd::Progress &progress = {});
-    /// The same of arrays, which are those of the layer at rest, whose matrix is \p world: nothing of the layer and its
-    /// document is read, so that this can be done beside the window. \param tag one per vertex slot
+    /// The same for arrays of the layer at rest, with the matrix \p world. It reads neither layer nor document, so it
+    /// can run beside the window. \param tag one per vertex slot
     void prepare(const vcg::fcd::SurfaceView &surface, std::vector<int> tag, const Eigen::Affine3d &world,
                  const vcg::fcd::DeformerParam &param, const vcg::fcd::Progress &progress = {});
     const std::shared_ptr<Prepared> &prepared() const { return found; }
@@ -72,7 +72,7 @@ class LayerDeformer {
     /// Takes the motions of handles, in world coordinates.
     void takeMotions(std::map<vcg::fcd::Index, vcg::fcd::Motion> motion) { handles.motion = std::move(motion); }
 
-    /// What is to solve poses from rest in the place of the deformer's own way from the motions that were read.
+    /// Solves poses from rest instead of the deformer, which goes to the motions that were read.
     using Solve = std::function<vcg::fcd::Deformer::Pose(const vcg::fcd::Deformer &, const vcg::fcd::DeformationParam &,
                                                          const vcg::fcd::Progress &)>;
     void solveBy(Solve other) { solveOtherwise = std::move(other); }
@@ -80,7 +80,7 @@ class LayerDeformer {
     /// The pose from rest to the end.
     vcg::fcd::Deformer::Pose solve(const vcg::fcd::DeformationParam &param,
                                    const vcg::fcd::Progress &progress = {}) const;
-    /// The pose after some iterations from another one, where the motions are so near, or from rest.
+    /// The pose after some iterations, from \p last if its motions are near, or else from rest.
     vcg::fcd::Deformer::Pose solveFrom(const vcg::fcd::Deformer::Pose *last,
                                        const vcg::fcd::DeformationParam &param) const;
 

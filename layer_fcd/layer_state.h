@@ -61,7 +61,7 @@ struct TaggedVertex {
 struct KeptScan {
     bool color = false, quality = false;       ///< kept, or known not to have been there
     bool hadColor = false, hadQuality = false; ///< and there was some
-    bool countedQuality = false;               ///< the layer said that it had some, be it 0
+    bool countedQuality = false;               ///< the layer was marked as having quality, even if it was 0 everywhere
     vcg::Color4b lowColor, highColor;          ///< of the tags, by channel
     double lowTag = 0, highTag = 0;            ///< with 0, which vertices have that nothing has given a quality
     std::uint64_t faces = 0;                   ///< facesOf the mesh then
@@ -77,7 +77,7 @@ struct KeptScan {
 /// What the tool FCD: Bend knew of a layer when it left it (kept_tool.h).
 struct ToolState {
     std::string text;        ///< as the tool writes it; vertices are numbered as the live ones follow each other
-    bool isPosed;            ///< the layer has a pose of its rest shape by that
+    bool isPosed;            ///< the tool left the layer in a pose of its rest shape
     std::uint64_t shape = 0; ///< of the layer then, as shapeOf tells it
     Matrix44m matrix;        ///< of the layer then
 };
@@ -115,7 +115,7 @@ struct FitOptions {
     }
 };
 
-/// What the tool FCD: Fit was told of a layer.
+/// Pairs, options and fit of a layer in the tool FCD: Fit.
 struct FitToolState {
     std::vector<FitPair> pairs;
     FitOptions options;
@@ -148,9 +148,9 @@ struct GraphState {
     std::uint64_t shape = 0; ///< of the graph when it was made, as shapeOf tells it: a copy has it, too
 };
 
-/// All that is known of a layer and that its mesh has no place for. The document keeps it, until the layer or the
-/// document goes. The mesh has one attribute without any memory: through it the host tells where the vertices go, and
-/// the values per vertex slot that are here go with them.
+/// What the plugins know of a layer beyond its mesh. The document keeps it until the layer or the document is closed.
+/// The mesh has one attribute without memory: through it the host tells where it moves vertices, and the values per
+/// vertex slot here move with them.
 struct LayerState {
     std::optional<RestState> rest;                  ///< none: it has never been posed in place
     std::optional<KeptScan> scan;                   ///< none: no tags stand in the place of colours or quality
@@ -159,8 +159,8 @@ struct LayerState {
     std::string appliedName;                        ///< of the attribute for the tool's tags; empty: none (marks.h)
     std::optional<vcg::fcd::PoseSequence> poses;    ///< that have names
     std::shared_ptr<const Deformation> deformation; ///< of a deformed graph
-    std::shared_ptr<const ToolState> tool;          ///< null: the tool knows no more than marks and poses
-    std::shared_ptr<const FitToolState> fit;        ///< null: the tool FCD: Fit was told nothing
+    std::shared_ptr<const ToolState> tool;          ///< null: FCD: Bend knows no more than marks and poses
+    std::shared_ptr<const FitToolState> fit;        ///< null: FCD: Fit knows nothing
     std::optional<GraphState> graph;                ///< none: no filter has made it as a graph in this run
     std::optional<ResultState> result;              ///< none: it is no result of a filter in the window
 
@@ -171,17 +171,17 @@ struct LayerState {
     static const LayerState &known(const MeshModel &layer);
     /// The same, made where there is none.
     static LayerState &made(const MeshDocument &document, MeshModel &layer);
-    /// Where nothing is known of a layer, its mesh is as if nothing ever was.
+    /// Removes a state that says nothing, with its attribute of the mesh.
     static void tidy(MeshModel &layer);
     /// Those of the other layers of a document.
     static std::vector<const LayerState *> ofOthers(const MeshDocument &document, const MeshModel &layer);
 
-    /// Whether an attribute of a mesh is that by which states follow their vertices.
+    /// Whether it is the attribute by which states follow their vertices.
     static bool isIts(const vcg::PointerToAttribute &attribute);
 
-    /// The values per slot are for so many of them from now on, zero for new ones.
+    /// Resizes the values per slot, with zero for new slots.
     void resize(std::size_t n);
-    /// The value at each slot goes to the slot that is told; to none where that is the largest number.
+    /// Moves the value of each slot to newSlots[slot]; drops it if that is the largest number.
     void reorder(const std::vector<std::size_t> &newSlots);
 
   private:
@@ -191,7 +191,7 @@ struct LayerState {
     bool isCleared = false; ///< the mesh has no vertices any more, and the values per slot are of those that it had
 };
 
-/// A filter that fails, or has nothing to keep, leaves nothing with the current layer.
+/// Calls LayerState::tidy for the current layer at the end, so that a filter that fails leaves nothing with it.
 class TidyLater {
   public:
     explicit TidyLater(MeshDocument &document) : document(document), layer(document.mm() ? document.mm()->id() : -1) {}

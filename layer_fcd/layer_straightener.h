@@ -29,7 +29,7 @@ struct StraightenedShape {
 struct KnownLine {
     std::shared_ptr<const LineSurface> surface; ///< prepared; null: nothing is known
     Eigen::Matrix3Xd middle;                    ///< 3 x n, as LineOf finds it on that surface, where it was looked for
-    vcg::fcd::StraightenReport report;          ///< what that has told
+    vcg::fcd::StraightenReport report;          ///< of the straightening
 };
 
 /// Which line goes where, from the layers and files that \p param names.

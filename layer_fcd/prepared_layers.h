@@ -44,7 +44,7 @@ class PreparedLayers {
 
     /// What is prepared, null where nothing is.
     std::shared_ptr<Prepared> find(const Key &key);
-    /// Prepares \p surface, which is that of the layer of a number; what else was prepared of the layer goes, but for
+    /// Prepares \p surface, which is that of the layer of a number; what else was prepared of the layer goes, except
     /// regions that are the same. Nothing of document and layer is read. \pre follow() \throw vcg::fcd::Error no
     /// handle, nothing free, ... \throw vcg::fcd::Cancelled
     std::shared_ptr<Prepared> add(const Key &key, const MeshDocument &document, int layer,

@@ -18,22 +18,22 @@
 /// each is known by itself: it belongs to the rest shape as long as it is, to the bit, at a place that it was given.
 /// Where something else has moved all of them by one affine map, the rest shapes follow by that.
 ///
-/// Each time that a pose is applied, and the next begins from it, the rest shape of before is kept, too.
+/// When a pose is applied, so that the next begins from it, the old rest shape is kept as an earlier one.
 class RestShape {
   public:
-    /// Of earlier rest shapes that are kept: each takes as much memory as the rest shape, 24 bytes a vertex in single
-    /// precision. Few people go back farther than this, but to the first.
+    /// How many earlier rest shapes are kept, beside the first. Each takes 24 bytes a vertex in single precision; few
+    /// people go back farther, except to the first.
     static constexpr std::size_t mostEarlier = 8;
 
     static bool exists(const MeshModel &layer);
-    /// Whether there is one, be it by the layer that this is a copy of, whose rest shapes it has then.
+    /// Whether there is one. A copy takes over the rest shapes of its original.
     static bool inherit(const MeshDocument &document, MeshModel &layer);
     /// Where the last pose left each vertex slot. \pre the layer has a rest shape
     static const PosedVertex *lastPlaces(const MeshModel &layer);
     /// Makes the present shape of \p layer its rest shape. The old one becomes an earlier one. If something else has
     /// moved or made vertices, old shapes no longer fit the mesh, and none is kept.
     static void keep(const MeshDocument &document, MeshModel &layer);
-    /// Forgets what keep began.
+    /// Forgets all rest shapes.
     static void drop(const MeshModel &layer);
 
     /// \pre the layer has a rest shape
@@ -49,13 +49,13 @@ class RestShape {
     /// The earlier rest shapes and last the present one, as shapeOf tells them; the first is that of the layer as it
     /// was loaded.
     std::vector<std::uint64_t> shapes() const;
-    /// The rest shape is that of shapes() at \p place from now on; what came after it is dropped.
+    /// Makes shapes()[place] the rest shape and drops those after it.
     void backTo(std::size_t place);
 
     /// Before a pose. Where something else has moved the layer as a whole, its rest shapes are moved alike, and a
     /// remark says so. \throw vcg::fcd::Error when it has moved or made some vertices; \p remedy says what to do
     void checkVertices(const std::string &remedy, const Remark &remark);
-    /// The layer has the normals that a pose gave it.
+    /// Remembers that a pose gave the layer its present normals.
     void knowNormals();
     /// Whether vertices and faces are those of the last pose, wherever something else may have moved them.
     bool isSameMesh() const;
@@ -91,7 +91,7 @@ class RestShape {
     RestState &state;
 };
 
-/// A posed layer has the positions and normals of its rest shape for as long as this lives. \pre checkVertices
+/// Puts a posed layer at rest for as long as this lives: positions and normals. \pre checkVertices
 class AtRest {
   public:
     explicit AtRest(MeshModel &layer);

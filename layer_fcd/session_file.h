@@ -46,19 +46,19 @@ struct SessionContents {
     int pairs = 0;           ///< of landmarks, as FCD: Fit knows them
     bool fitOptions = false; ///< of that tool
     bool fitted = false;     ///< the layer has the shape that that tool gave it
-    std::string unfit;       ///< what of these does not go with the layers that are there; or empty
-    int moved = 0;           ///< vertices that have another position since it was loaded
-    bool hasMatrix = false;  ///< the layer has the matrix of then since
+    std::string unfit;       ///< what of these does not suit the layers of the document; or empty
+    int moved = 0;           ///< number of vertices that loading moved
+    bool hasMatrix = false;  ///< loading gave the layer the saved matrix
 };
 
 /// Writes the state that the document keeps of \p layer. \throw vcg::fcd::Error when there is none, or the file cannot
 /// be written; an existing file is then unchanged
 SessionContents saveSession(const MeshModel &layer, const QString &file);
 
-/// Reads what saveSession has written: \p layer is then as it was saved. It must have the shape of then, or the rest
-/// shape, to 1e-6 of its diagonal. Colours and quality that it has got since stay. Motions and fits of the tools are
-/// told in the world: a layer without a matrix gets the one of then.
-/// \throw vcg::fcd::Error what is wrong with the file, or how the layer differs; it is then as it was
+/// Reads what saveSession has written: \p layer is then as it was saved. It must have the saved shape, or the rest
+/// shape, to 1e-6 of its diagonal. Newer colours and quality stay. Motions and fits of the tools are in world
+/// coordinates, so a layer without a matrix gets the saved one. \throw vcg::fcd::Error what is wrong with the file, or
+/// how the layer differs; it is then as it was
 SessionContents loadSession(const MeshDocument &document, MeshModel &layer, const QString &file);
 
 #endif

@@ -25,7 +25,7 @@ fcd::NormalOf NormalsOf(const MeshType &m) {
     };
 }
 
-/// BuildCentroidalGraph of a mesh, which is only read.
+/// fcd::BuildCentroidalGraph (deformer.h) of a VCG mesh, which is not changed.
 template <class MeshType>
 fcd::CentroidalGraph BuildCentroidalGraph(const MeshType &m, const fcd::GraphParam &param,
                                           const fcd::Progress &progress = {},
@@ -35,7 +35,8 @@ fcd::CentroidalGraph BuildCentroidalGraph(const MeshType &m, const fcd::GraphPar
     return fcd::BuildCentroidalGraph(arrays.View(), NormalsOf(m), param, progress, metric);
 }
 
-/// DeformSurface of a mesh, which is only read.
+/// fcd::DeformSurface (deformer.h) of a VCG mesh, which is not changed. Deformed positions: result.position, mesh
+/// units.
 template <class MeshType>
 fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &handles,
                                         const fcd::DeformationParam &param, const fcd::Progress &progress = {}) {

@@ -13,8 +13,8 @@
 #include <vector>
 
 /// \file
-/// What to make so that what is wanted comes out: turns round the warp of a printed, sintered or pressed part, as its
-/// scan tells it.
+/// What to make so that the nominal part comes out: turns round the warp of a printed, sintered or pressed part, which
+/// its scan tells.
 
 namespace vcg::fcd {
 
@@ -25,14 +25,14 @@ struct CompensateParam {
     double largestDistance = std::numeric_limits<double>::infinity(); ///< of matches, > 0
 };
 
-/// What became of it. Lengths are in units of the vertices.
+/// How far the part was warped, and what is made of it. Lengths are in units of the vertices.
 struct CompensateReport {
     double before = 0, left = 0; ///< distance of the scan from the nominal surface laid onto it, root mean square where
                                  ///< that is scanned: as it is, and after the warp
     double scanned = 0;          ///< share of the nominal surface that is matched, [0, 1]
     double change = 0, changeMost = 0; ///< of the vertices: root mean square, most
-    double missed = 0;                 ///< how far what is predicted to come out is from the nominal vertices, at most
-    double rounding = 0;               ///< less than this is none of the warp
+    double missed = 0;                 ///< largest distance of the predicted print from the nominal vertices
+    double rounding = 0;               ///< distances below this are rounding, not warp
     double spacing = 0;                ///< of a cloud's points, if they are all over the part; 0: triangles
     double thickness = 0;              ///< of the part, mean; infinity where normals tell its sides
     Eigen::Affine3d placed = Eigen::Affine3d::Identity(); ///< the rigid motion from the nominal part to the scan
@@ -44,18 +44,18 @@ struct CompensateReport {
 /// The way from a nominal part to what to make.
 class Compensation {
   public:
-    /// Finds it. The scan lies where the nominal part does, but for the warp and what matching finds.
+    /// Finds the warp. \pre the scan lies on the nominal part, up to the warp and what matching finds
     /// \param nominal triangles \param scan triangles or points \param scanNormal of points; may be empty
     /// \throw BadInput a nominal surface without area, a scan without vertices, nothing matched, a parameter out of
     /// range \throw Cancelled
     Compensation(const SurfaceView &nominal, const SurfaceView &scan, const NormalOf &scanNormal,
                  const CompensateParam &param, const Progress &progress = {});
 
-    /// What to make at a place of the nominal part.
+    /// Where to make a place of the nominal part.
     Eigen::Vector3d operator()(const Eigen::Vector3d &p) const;
-    /// The derivative of that. \param made what is made there
+    /// The derivative of that. \param made its value
     Eigen::Matrix3d LinearAt(const Eigen::Vector3d &made) const;
-    /// What comes out of that at a place, where it lies as the nominal part does.
+    /// Where a place that is made comes to lie in the print, aligned with the nominal part.
     Eigen::Vector3d Predicted(const Eigen::Vector3d &p) const;
 
     CompensateReport report;   ///< of all vertices

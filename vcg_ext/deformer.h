@@ -30,34 +30,33 @@ class Deformer : public MovingSurface {
   public:
     using Pose = SurfacePose;
 
-    /// The motions of \p handles at \p percent of their way; its tags are not read, nor which vertices its points are.
+    /// The motions of \p handles at \p percent of their way. Neither their tags nor the vertices of points are read.
     /// \throw BadInput a motion by more than 1e30 times the mesh, or a target that is not finite
     HeldMotions MotionsOf(const Handles &handles, double percent) const;
 
     /// Any number of threads may solve at a time. \param last the pose to go on from, null to begin at rest. A region
-    /// with the same motions there stays as it is there. Without \p last, the last pose that SolveAlong found from rest
-    /// counts.
+    /// whose motions have not changed since keeps its pose; without \p last, since the last pose that SolveAlong found
+    /// from rest.
     /// \throw Unsolvable a graph that cannot be factorised \throw Cancelled
     Pose Solve(HeldMotions motions, const SolverParam &solver, const Pose *last = nullptr,
                const Progress &progress = {}) const;
 
     /// Estimates how far \p pose is from the limit of more and more nodes: root mean square over the free surface, as
-    /// a fraction of the diagonal of the nodes' box; NaN where it cannot be told. \param solver as the pose was solved
-    /// with
+    /// a fraction of the diagonal of the nodes' box; NaN if unknown. \param solver as the pose was solved with
     double DiscretisationError(const Pose &pose, const SolverParam &solver, const Progress &progress = {}) const;
 
-    /// In how many steps \p motions are reached from \p begin, or from rest. In each step, what holds a region turns by
-    /// at most 60 degrees against what else holds it.
+    /// The number of steps from \p begin, or from rest, to \p motions. In each step, what holds a region turns by at
+    /// most 60 degrees against what else holds it.
     int StepsTo(const HeldMotions &motions, const HeldMotions *begin = nullptr) const;
 
-    /// The pose at param.pose percent of the motions of \p handles, reached from rest in param.steps, or in as many as
-    /// each region needs. It grows out of the surface as it is, stable or not (SolverParam::follow).
+    /// The pose at param.pose percent of the motions of \p handles, reached from rest in param.steps steps, or in more
+    /// if a region needs more. It follows the shape on the way, stable or not (SolverParam::follow).
     Pose Solve(const Handles &handles, const DeformationParam &param, const Progress &progress = {}) const;
 
-    /// The motions at one of so many steps of a way, from 1. Called from several threads, one at a time.
+    /// The motions at a step of a way, 1 to steps. Called from several threads, one at a time.
     using Way = std::function<HeldMotions(int step, int steps)>;
 
-    /// The same for the end of any way. \param begin the pose that it begins at, null for rest; param.pose is not read
+    /// The pose at the end of any way. \param begin the pose that it begins at, null for rest; param.pose is not read
     Pose SolveAlong(const Way &way, const DeformationParam &param, const Pose *begin = nullptr,
                     const Progress &progress = {}) const;
 
@@ -99,7 +98,7 @@ TagCount CountHandles(const Handles &handles, std::size_t slots, const char *del
 std::unique_ptr<Deformer> PrepareDeformer(const SurfaceView &mesh, const Handles &handles, const DeformerParam &param,
                                           const Progress &progress = {}, const Deformer *kept = nullptr);
 
-/// Whether the nodes of the deformer's graph are at \p nodes (3 x k, mesh units), but for what files round.
+/// Whether the nodes of the deformer's graph are at \p nodes (3 x k, mesh units), up to the rounding of files.
 bool HasNodes(const Deformer &deformer, const Eigen::Matrix3Xd &nodes);
 
 /// What a layer of the deformation graph shows.
@@ -127,8 +126,8 @@ struct CentroidalGraph {
 /// A deformed mesh.
 struct DeformationResult {
     Eigen::Matrix3Xd position; ///< 3 x vertex slots, mesh units; that of a deleted vertex stays where it is
-    /// Per vertex slot, if wanted: how the surface around it turns and stretches, mesh units. Directions follow it,
-    /// normals its Cofactors.
+    /// Per vertex slot, if param.linear: the linear map of the surface around it, mesh units. It maps directions;
+    /// its Cofactors map normals.
     std::vector<Eigen::Matrix3f> linear;
     GraphGeometry rest, deformed;         ///< the deformation graph before and after
     std::vector<float> stretch, rotation; ///< if measured: as in SurfaceMeasure
@@ -163,16 +162,15 @@ CentroidalGraph BuildCentroidalGraph(const SurfaceView &mesh, const NormalOf &no
 DeformationCheck CheckPose(const SurfaceView &mesh, const Handles &handles, const Deformer &deformer,
                            const Deformer::Pose &pose, const PositionsRef &position, const Progress &progress = {});
 
-/// Where a pose passes through itself and did not at rest, as FindContact finds it. \throw Cancelled
+/// Where the surface passes through itself in a pose and did not at rest (FindContact). \throw Cancelled
 /// \param mesh the surface at rest that \p deformer was prepared from \param position as of CheckPose
 /// \param param that \p deformer was prepared with
 SurfaceContact ContactOf(const SurfaceView &mesh, const Deformer &deformer, const PositionsRef &position,
                          const DeformerParam &param, const Progress &progress = {});
 
-/// The most percent of a motion without contact, in hundredths of \p param.pose; 0 is rest. It is all of \p param.pose
-/// if there is no contact. Found by bisection: if contact begins and ends on the way, it is the end of one of the free
-/// parts.
-/// \param solve of a pose, of so many percent of the motion \param param that \p deformer was prepared with
+/// How much of a motion is free of contact: percent, from 0 (rest) to \p param.pose, to a hundredth of that. Found by
+/// bisection: if contact begins and ends several times on the way, it is the end of one of the free parts.
+/// \param solve gives the pose at some percent of the motion \param param that \p deformer was prepared with
 /// \throw Cancelled, and what \p solve throws
 double PercentToContact(const SurfaceView &mesh, const Deformer &deformer,
                         const std::function<Deformer::Pose(double percent, const Progress &)> &solve,

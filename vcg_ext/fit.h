@@ -46,16 +46,16 @@ struct FitGoal {
 struct AlongLine {
     std::vector<std::size_t> vertex;     ///< slots of free vertices, each once, ascending
     std::vector<Eigen::Vector3d> offset; ///< from each to the place that it is nearest to, world units
-    double farthest = 0;                 ///< of the places along it from the vertex nearest to each, world units
-    std::size_t corner = 0;              ///< that place is at it, or between it and the next
-    bool isElsewhere = false;            ///< it is farther than a tenth of the diagonal and than the longest edge
+    double farthest = 0;                 ///< largest distance of a place along it from its nearest vertex, world units
+    std::size_t corner = 0;              ///< at the farthest place, or the last one before it
+    bool isElsewhere = false;            ///< farthest exceeds a tenth of the diagonal and the longest edge
 };
 
-/// Curves of a file, as a surface goes along them.
+/// Curves of a file, and what of a surface lies along them.
 struct CurveLead {
     std::vector<Curve> curve; ///< in the world, as FitGoal has them
-    std::size_t vertices = 0; ///< how many go along them
-    double farthest = 0;      ///< of the given curves from the vertices, at most, world units
+    std::size_t vertices = 0; ///< how many lie along them
+    double farthest = 0;      ///< largest distance of a given curve from its vertices, world units
 };
 
 /// From where a fit begins.
@@ -70,7 +70,7 @@ enum class FitStart {
 struct FitParam : DeformationParam {
     FitParam();
 
-    double stiffness = 1; ///< > 0: of what the data leave open, in the end; 1 is the default, 10 is stiff
+    double stiffness = 1; ///< > 0: in the end, against following the data; 1 is the default, 10 is stiff
     /// [0, 1]: how much of the stiffness is against stretching. At 1, the surface goes as rigidly as possible. At 0,
     /// each node's map is affine, and only its change between neighbours costs: what is stretched, sheared or scaled
     /// all over is as free as in a thin-plate spline.
@@ -84,8 +84,7 @@ struct FitParam : DeformationParam {
     /// are left, and taken if it fits better.
     bool bothWays = false;
     double landmarkTolerance = 0; ///< world units, >= 0: how far off a landmark may stay; 0 = rounding
-    bool judgesLandmarks =
-        true; ///< looks for those that the others contradict; false: leaves that out, which is faster
+    bool judgesLandmarks = true;  ///< looks for landmarks that the others contradict; false is faster
 
     /// For a Fitter that shall follow landmarks alone: nothing is near enough to be matched. Without matching, the
     /// surface comes to rest in far fewer steps.
@@ -103,28 +102,27 @@ struct FitReport {
 
     double nearest = 0;                           ///< world units
     double rms = 0, median = 0, percentile95 = 0; ///< distance from the target where it is matched, world units
-    double matched = 0;              ///< share of the samples that have a counterpart, of what counts, [0, 1]
-    double counted = 1;              ///< share of the free surface that counts: its weight is above 0
-    double moved = 0, movedMost = 0; ///< from how far what is matched came: median and most, world units
-    double guessed = 0;              ///< share of the free surface that has no counterpart, and was carried along
-    double guessError = 0;   ///< how far that may be off, root mean square, world units; NaN where nothing tells
-    std::size_t carried = 0; ///< separate parts that others carried, as nothing of the target leads them
-    double landmarks = 0;    ///< largest distance of a landmark from where it belongs, world units
-    double beyond = 0;       ///< how far the landmarks are beyond their tolerance, at most, world units
-    double curves = 0;       ///< largest distance of what lies on a curve from that, world units
-    double pull = 0;         ///< how far nodes had to give way so that all landmarks are there, world units
-    std::vector<std::size_t> contradicted; ///< numbers of landmarks, from 0: the others take them elsewhere
+    double matched = 0;                    ///< share of the samples that have a counterpart, of what counts, [0, 1]
+    double counted = 1;                    ///< share of the free surface that counts: its weight is above 0
+    double moved = 0, movedMost = 0;       ///< how far what is matched moved: median and most, world units
+    double guessed = 0;                    ///< share of the free surface that has no counterpart, and was carried along
+    double guessError = 0;                 ///< how far that may be off, root mean square, world units; NaN if unknown
+    std::size_t carried = 0;               ///< separate parts without a counterpart, which the parts around carried
+    double landmarks = 0;                  ///< largest distance of a landmark from where it belongs, world units
+    double beyond = 0;                     ///< how far the landmarks are beyond their tolerance, at most, world units
+    double curves = 0;                     ///< largest distance of what lies on a curve from that, world units
+    double pull = 0;                       ///< how far nodes moved at most so that all landmarks are met, world units
+    std::vector<std::size_t> contradicted; ///< numbers of landmarks, from 0, that the others contradict
     bool leftOut = false;                  ///< these were not followed, as there is a tolerance
-    bool bothWays = false;  ///< places of the target drew what is nearest, too: as asked, or as it fits better
-    bool insideOut = false; ///< the target's normals point to the other side than the source's; they were turned over
-    bool fromAfar = false;  ///< they lay far apart, and the fit began where it moved the surface to by itself
-    bool isSureFromAfar = true; ///< false: another way round fits nearly as well
-    double turnedBy =
-        0; ///< radians: it came out strained where it lay, and far less so after it was turned by its axes
-    double scaledBy = 1;       ///< and scaled, before the fit
-    double strained = 0;       ///< what its edges change by, rms, of their lengths; 0 unless it is so much that the
-                               ///< layers may lie turned, and no other start was found
-    bool otherSize = false;    ///< so much larger, or smaller, that the fit is not to be trusted
+    bool bothWays = false;      ///< places of the target drew what is nearest, too: as asked, or as it fits better
+    bool insideOut = false;     ///< the target's normals point to the other side than the source's; they were flipped
+    bool fromAfar = false;      ///< the layers lay far apart, and the surface was moved onto the target first
+    bool isSureFromAfar = true; ///< false: another rotation fits nearly as well
+    double turnedBy = 0; ///< radians by which the surface was turned by its axes first, as it is far less strained so
+    double scaledBy = 1; ///< the factor by which it was scaled then
+    double strained = 0; ///< rms change of edge lengths, a fraction; 0 unless it is so large that the layers may
+                         ///< lie turned, and no better start was found
+    bool otherSize = false;    ///< the target is so much larger, or smaller, that the fit is not to be trusted
     bool mirrored = false;     ///< the target is the surface's mirror image, or its faces look inwards as of one
     bool flat = false;         ///< the target is a plane, and the surface is none
     std::size_t unmet = 0;     ///< landmarks farther than their tolerance, as the graph is too coarse for them
@@ -138,11 +136,11 @@ struct FitReport {
     /// Whether one of these tells why a fit does not come to rest.
     bool IsMisplaced() const { return otherSize || mirrored || flat || isApart; }
     std::vector<char> carriedNode; ///< flags of the graph's nodes: of parts that others carried
-    bool isApart = false;          ///< they lie so far apart that nothing of them overlaps, and could not be moved
-    int patchesForAll = 0;         ///< with so many, or more, it would be fine enough
+    bool isApart = false;          ///< nothing of the layers overlaps, and the surface could not be moved first
+    int patchesForAll = 0;         ///< so many patches are enough for all landmarks
     int steps = 0;
-    bool converged = false; ///< a step moved its nodes by 1e-4 of the diagonal at most, root mean square,
-                            ///< or further ones would, all together
+    bool converged = false; ///< the last step moved the nodes by at most 1e-4 of the diagonal, root mean square, or all
+                            ///< further ones together would, by estimate
 };
 
 /// A surface that is prepared to be fitted, with its regions: fixed vertices stay, handles move as they are told.
@@ -158,14 +156,14 @@ class Fitter {
            const Progress &progress = {}, const WeightOf &weight = {});
 
     /// Prepares what it is fitted to, for Solve and Compare. What is not finite is left out.
-    /// \param goal is not needed after it \throw BadInput a goal without vertices, or of a point or a line \throw
-    /// Cancelled
+    /// \param goal is not needed afterwards \throw BadInput it has no vertices, or is a point or a line
+    /// \throw Cancelled
     std::shared_ptr<const FitTarget> Prepare(const FitGoal &goal, const Progress &progress = {}) const;
 
     /// What lies along polylines: the vertices nearest to their corners, and to places between these, no farther apart
-    /// than the surface's mean edge is long; of places with the same one, the nearest counts. Vertices that are not
-    /// free are left out. \param line one or more corners each, in the world \return of each, up to the first one that
-    /// lies elsewhere \throw Cancelled
+    /// than the surface's mean edge length. If several places have one vertex, the nearest place counts. Vertices that
+    /// are not free are left out. \param line one or more corners each, in the world \return for each line, up to the
+    /// first one that lies elsewhere \throw Cancelled
     std::vector<AlongLine> Along(const std::vector<std::vector<Eigen::Vector3d>> &line,
                                  const Progress &progress = {}) const;
 
@@ -180,34 +178,34 @@ class Fitter {
     Deformer::Pose Solve(const FitTarget &target, const std::vector<Landmark> &landmark, FitReport &report,
                          const Progress &progress = {}) const;
 
-    /// How far each landmark is from where it belongs in a fit without it, by the target and the others, world units.
-    /// As many fits as there are landmarks. \throw as Solve
+    /// The distance of each landmark from where it belongs in a fit without it, world units. Takes as many fits as
+    /// there are landmarks. \throw as Solve
     std::vector<double> LeaveOneOut(const FitTarget &target, const std::vector<Landmark> &landmark,
                                     const Progress &progress = {}) const;
 
     /// The same where landmarks lead alone. \pre, \throw as Follow
     std::vector<double> LeaveOneOut(const std::vector<Landmark> &landmark, const Progress &progress = {}) const;
 
-    /// How far vertices are from where they belong in a pose that was carried to \p position, 3 x vertex slots, mesh
-    /// units: pairs that were kept back from the fit judge it. \return world units
+    /// Distances of vertices from where they belong, world units, for pairs that were kept back from the fit.
+    /// \param position 3 x vertex slots, mesh units: that of the pose \throw BadInput no vertex, or a target not finite
     std::vector<double> Residuals(const std::vector<Landmark> &pair, const PositionsRef &position) const;
 
-    /// The pose in which it follows its landmarks as rigidly as possible, and nothing else.
+    /// The pose in which it follows landmarks alone, as rigidly as possible.
     /// \pre made with FitParam::LandmarksAlone \throw BadInput, Unsolvable, Cancelled as Solve
     Deformer::Pose Follow(const std::vector<Landmark> &landmark, FitReport &report,
                           const Progress &progress = {}) const;
 
-    /// The distance of each vertex slot from the target, world units, and whether it lies on it, as \p report of the
-    /// fit tells; 0 and false for deleted ones. \param position 3 x slots, mesh units \throw Cancelled
-    /// What does not count, or is carried by other parts, lies on nothing.
+    /// The distance of each vertex slot from the target, world units, and whether it lies on it by \p report of the
+    /// fit; 0 and false for deleted ones. What does not count, or is carried by other parts, does not lie on it.
+    /// \param position 3 x slots, mesh units \throw Cancelled
     void Compare(const FitTarget &target, const FitReport &report, const PositionsRef &position,
                  std::vector<float> &distance, std::vector<char> &liesOn, const Progress &progress = {}) const;
 
     const Deformer &Surface() const { return *deformer; }
 
-    /// Puts vertices with landmarks, and those at the same place, where these belong: to the last bit, from single
-    /// precision, in positions that a pose was carried to. What the graph is too coarse for stays.
-    /// \param position 3 x vertex slots, mesh units
+    /// Puts vertices with landmarks, and those at the same place, exactly where they belong: the pose's positions are
+    /// there in single precision. Landmarks that the graph is too coarse for stay.
+    /// \param position 3 x vertex slots, mesh units: that of the pose
     void PutLandmarks(const std::vector<Landmark> &landmark, Eigen::Ref<Eigen::Matrix3Xd> position) const;
 
   private:

@@ -24,13 +24,13 @@
 
 namespace vcg::fcd {
 
-/// Which motion the components of the mesh without a handle or fixed vertex make.
+/// How components without a handle or fixed vertex move.
 enum class LooseParts {
     Follow, ///< that of the nearest part of the surface that is held
     Stay    ///< none
 };
 
-/// A DiscretisationError that is seen: above it, more patches are asked for.
+/// A DiscretisationError above this is reported, with the advice to take more patches.
 constexpr double coarseError = 0.01;
 
 /// How a mesh is prepared to be deformed.
@@ -89,9 +89,9 @@ struct ReadRegion {
 /// A region that is prepared to be deformed: it owns patches, graph, factorisation and mapping. Then each pose is
 /// solved from the motions alone.
 ///
-/// Where neither the number of patches nor their radius is given, there are as many as the region is worth
-/// (PatchesFor). A rough graph of few patches tells that, by its error when what moves turns by 60 degrees (TurnError).
-/// It is decided once for all poses: each is part of the way to the others.
+/// If neither the number of patches nor their radius is given, there are as many as the region needs (PatchesFor). A
+/// rough graph of few patches tells that, by its error when what moves turns by 60 degrees (TurnError). It is decided
+/// once for all poses: each is part of the way to the others.
 class RegionDeformer : public MovingRegion {
   public:
     using Pose = RegionPose;
@@ -108,8 +108,7 @@ class RegionDeformer : public MovingRegion {
     Pose Solve(HeldMotions motions, const SolverParam &solver, const Pose *last = nullptr,
                const Progress &progress = {}) const;
 
-    /// In how many steps \p motions are reached from \p begin, or from rest. In each step, what holds the free surface
-    /// turns by at most 60 degrees against what else holds it.
+    /// As Deformer::StepsTo, for this region.
     int StepsTo(const HeldMotions &motions, const HeldMotions *begin = nullptr) const;
 
     /// The motions, as OwnOf gives them, at one of so many steps of a way, from 1.
@@ -130,7 +129,7 @@ class RegionDeformer : public MovingRegion {
     const int askedPatches;                      ///< GraphParam::initialPatches that it was prepared with
     const int most;                              ///< as of ReadRegion
     bool IsLimited() const { return isLimited; } ///< whether it would have more patches than that
-    double Reach() const { return reach; }       ///< D, frame units, or what is about that, and the same for all seeds
+    double Reach() const { return reach; }       ///< about D, frame units; the same for all seeds
     /// The slots of its point handles; held.pointTag has their tags.
     const std::vector<std::size_t> &Points() const { return point; }
 
@@ -161,7 +160,7 @@ class RegionDeformer : public MovingRegion {
     std::vector<Index> PartOfNodes() const;
     /// Gives nodes that are held alone the motion of what they belong to.
     void HoldOriginals(HeldMotions &m) const;
-    /// All that moves turned by 60 degrees about an axis of the frame, each about the middle of its nodes here, but for
+    /// All that moves turned by 60 degrees about an axis of the frame, each about the middle of its nodes here, except
     /// single ones, and moved by a tenth of the diagonal along it.
     HeldMotions Probe(int axis) const;
     /// DiscretisationError in these poses, as a fraction of the diagonal: the geometric mean over the three axes, since
@@ -184,7 +183,7 @@ class RegionDeformer : public MovingRegion {
         Eigen::Vector3d middle = Eigen::Vector3d::Zero(); // of its nodes, frame units
         int count = 0;                                    // of these
     };
-    std::map<Index, Holding> holding; // the tags that hold it, but for points
+    std::map<Index, Holding> holding; // the tags that hold it, except points
     mutable std::mutex lock;          // of the next one, for as long as it takes to make it
     mutable std::shared_ptr<const System> latest;
     mutable std::mutex keptLock; // of the next one

@@ -15,32 +15,31 @@
 
 namespace vcg::fcd {
 
-/// How a surface is prepared for it: all is free, and bends.
+/// How a surface is straightened: all of it is free, and bends.
 struct StraightenParam : DeformationParam {
     StraightenParam();
 };
 
-/// What became of it.
+/// What straightening did.
 struct StraightenReport {
     double length = 0, newLength = 0; ///< of the line, before and after, world units
-    double jitter = 0; ///< of the given points across the line, root mean square a direction, that was taken out; or 0
-    bool leftMiddle =
-        false;        ///< the line through the middle was asked for, and left: the surface would be stretched more
-    double twist = 0; ///< of the surface about the line, from end to end, degrees; 0 where not measured
+    double jitter = 0;       ///< of the points across the line, removed: root mean square a direction, world units
+    bool leftMiddle = false; ///< the line was not moved into the middle as asked: that stretches the surface more
+    double twist = 0;        ///< of the surface about the line, from end to end, degrees; 0 if not measured
     Index following = 0, released = 0; ///< nodes that go with the line, and that do not, as it would fold or tear there
     std::vector<std::pair<double, double>> releasedAt; ///< where these are along the line: from, to, world units
-    double rms = 0, largest = 0; ///< by how much the surface is off from the cross-sections' motions, world units
+    double rms = 0, largest = 0; ///< distance of the surface from where its cross-sections go, world units
 };
 
 /// Tags that make all vertices free.
 Handles AllFree(std::size_t slots, const Eigen::Affine3d &world);
 
-/// The line along which a surface is straightened. It is that of \p goal, without the jitter of its points where that
-/// matters and no smoothing is asked for. With goal.middle it is moved into the middles of the cross-sections, unless
-/// that would stretch the surface more. \param deformer of a surface, all of which is free, prepared with bendsUnheld
-/// \param world the matrix of its layer \param report if given: jitter and leftMiddle \return 3 x n, its points, in the
-/// world \throw BadInput as FramedLine; a line less than half of which lies in the box of the surface; too few
-/// cross-sections to find their middles \throw Cancelled
+/// The line along which a surface is straightened: that of \p goal. Jitter of its points that would stretch the surface
+/// is removed, unless smoothing is asked for. With goal.middle the line is moved into the middles of the
+/// cross-sections, unless that stretches the surface more. \param deformer of a surface that is all free, prepared with
+/// bendsUnheld \param world the matrix of its layer \param report if given: jitter and leftMiddle \return 3 x n, its
+/// points, in the world \throw BadInput as FramedLine; a line less than half of which lies in the box of the surface;
+/// too few cross-sections to find their middles \throw Cancelled
 Eigen::Matrix3Xd LineOf(const LineGoal &goal, const Deformer &deformer, const Eigen::Affine3d &world,
                         const Progress &progress = {}, StraightenReport *report = nullptr);
 

@@ -26,21 +26,21 @@ struct SymmetryMark {
 /// What is known of a surface's symmetry.
 struct SymmetryGoal {
     std::optional<MirrorPlane> plane;               ///< in the world; else that of the landmarks, else the best one
-    std::vector<std::array<SymmetryMark, 2>> pairs; ///< that belong to each other's mirror image
+    std::vector<std::array<SymmetryMark, 2>> pairs; ///< the two of each are mirror images of each other
     std::vector<SymmetryMark> midline;              ///< that belong on the plane
 };
 
-/// What became of it. Lengths are in world units.
+/// How asymmetric the surface was, and what was done. Lengths are in world units.
 struct SymmetryReport {
     FitReport fit; ///< of the surface onto its mirror image; its landmarks are the pairs, each from both ends, then the
                    ///< midline
-    MirrorPlane plane;           ///< in the world
-    bool isGiven = false;        ///< the plane was given
-    bool isOfLandmarks = false;  ///< the plane is that of the landmarks
-    bool isSure = true;          ///< false: another plane is nearly as good
-    double way = 0, wayMost = 0; ///< from places to where their counterparts' mirror images are: root mean square, most
-    double moved = 0, movedMost = 0; ///< of these: how far it was moved
-    double landmarks = 0; ///< how far landmarks are from their partners' mirror images, at most, as the graph has it
+    MirrorPlane plane;               ///< in the world
+    bool isGiven = false;            ///< the plane was given
+    bool isOfLandmarks = false;      ///< the plane is that of the landmarks
+    bool isSure = true;              ///< false: another plane is nearly as good
+    double way = 0, wayMost = 0;     ///< distance of places from the mirror images of their counterparts: rms, most
+    double moved = 0, movedMost = 0; ///< how far these places were moved: root mean square, most
+    double landmarks = 0; ///< largest distance of a landmark from its partner's mirror image, before PutPartners
     std::vector<std::size_t>
         contradicted; ///< numbers of pairs, then midline points, from 0, that the others contradict
 };
@@ -67,8 +67,8 @@ double DistanceFromMirror(const Fitter &fitter, const SurfaceView &source, const
                           const Eigen::Affine3d &world, const MirrorPlane &plane, const PositionsRef &position,
                           const Progress &progress = {}, const WeightOf &weight = {});
 
-/// Puts landmarks that are vertices to the last bit where each is the mirror image of its partner, in positions that a
-/// pose was carried to. \param position 3 x vertex slots, mesh units
+/// Puts landmarks that are vertices exactly where each is the mirror image of its partner.
+/// \param position 3 x vertex slots, mesh units: that of the pose
 void PutPartners(const Fitter &fitter, const SurfaceView &source, const Eigen::Affine3d &world,
                  const SymmetryGoal &goal, const SymmetryReport &report, Eigen::Ref<Eigen::Matrix3Xd> position);
 

@@ -31,7 +31,7 @@ class PointTree {
         Scalar Diagonal() const { return (Point(hi[0], hi[1], hi[2]) - Point(lo[0], lo[1], lo[2])).norm(); }
         /// Square of the distance from a point.
         Scalar SquareTo(Scalar x, Scalar y, Scalar z) const { return SquareTo(Box{{x, y, z}, {x, y, z}}); }
-        /// Square of the distance to another one, but for rounding.
+        /// Square of the distance to another one, up to rounding.
         Scalar SquareTo(const Box &o) const {
             Scalar sum = 0;
             for (int d = 0; d < 3; ++d) {

@@ -36,7 +36,7 @@ class FitCurves {
               const RegionPose &pose, FitSamples &samples);
 
     /// What draws the samples that were added, each across its curve to the nearest place there. Along the curve it is
-    /// free, but for the end of an open one, which none leaves. (Drawn along as matches are, they would hold each other
+    /// free, except the end of an open one, which none leaves. (Drawn along as matches are, they would hold each other
     /// where they are.) \param pull out: of all samples
     void Find(const FitSamples &samples, const GraphPose &pose, std::vector<FitSystem::Pull> &pull) const;
 

@@ -55,7 +55,7 @@ struct Motion {
 /// blended motion, at 100 percent; parts of it mean nothing \throw BadInput a number that is no longer finite
 Motion Blend(const std::vector<std::pair<Motion, double>> &motions, const Eigen::Vector3d &center);
 
-/// A single vertex that is put somewhere; how the surface turns there is left to it.
+/// A landmark: a single vertex that is put somewhere, while the surface turns freely there.
 struct PointHandle {
     std::size_t vertex;     ///< slot of a free vertex
     Eigen::Vector3d target; ///< where it goes, mesh units
@@ -65,16 +65,16 @@ struct PointHandle {
 struct Handles {
     std::vector<int>
         tag; ///< one per vertex slot: 0 fixed, 1 free, >= 2 handle, negative = outside the region of influence
-    std::map<int, Motion> motion;   ///< of the handle tags, in the world; a handle tag without one stays where it is
+    std::map<int, Motion> motion;   ///< by handle tag, in the world; a handle without one stays where it is
     std::vector<PointHandle> point; ///< in addition to the tags
-    /// From mesh units to the world that motions are given in and lengths are measured in: the matrix of the layer.
+    /// The matrix of the layer: from mesh units to the world, in which motions are given and lengths are measured.
     Eigen::Affine3d world = Eigen::Affine3d::Identity();
 
-    /// A motion in the world in mesh units.
+    /// \param motion in the world \return the same motion in mesh units
     Eigen::Matrix4d ToMesh(const Eigen::Matrix4d &motion) const;
 };
 
-/// The tag of a vertex slot that is deleted, where tags stand for themselves without a mesh.
+/// The tag of a deleted vertex slot, in arrays of tags without a mesh beside them.
 constexpr int noVertex = std::numeric_limits<int>::min();
 
 /// Live vertices by their tag.

@@ -11,15 +11,14 @@ namespace vcg::fcd {
 
 /// What in a deformation is probably not meant.
 struct DeformationCheck {
-    static constexpr double volumeIsSeen = 0.01; ///< a share of a volume that is worth a word
+    static constexpr double volumeIsSeen = 0.01; ///< a volumeOff from which on there is a warning
 
-    bool rigid = false; ///< all that is held makes one and the same motion, hence the surface does
-    Index overruled =
-        0; ///< handle vertices at the place of one that is fixed, or of a smaller tag, and held as that one
-    Index strained = 0;   ///< edges that join regions held apart and get twice or half as long, or worse
+    bool rigid = false;   ///< all that is held makes one and the same motion, so the surface moves rigidly
+    Index overruled = 0;  ///< handle vertices held as another one at their place: fixed, or of a smaller tag
+    Index strained = 0;   ///< edges between two held regions that get at least twice, or at most half, as long
     double longest = 1;   ///< the largest ratio of the length of such an edge to that at rest
     Index flipped = 0;    ///< triangles whose normals point to the other side
-    double volumeOff = 0; ///< share of its volume that a part is off which was to keep it, the largest
+    double volumeOff = 0; ///< of parts that should keep their volume: the largest change, as a share of it
 };
 
 namespace detail {

@@ -62,7 +62,7 @@ class KeptVolume {
     /// Caps a body. \return whether it encloses a volume then
     bool Close(Body &body) const;
     Eigen::MatrixXd Evened(const DeformationGraph &graph, Eigen::MatrixXd column, int times) const;
-    /// Which way nodes go for more volume; but for its size. \param push 3 x k, by what each node moves the volume
+    /// Which way nodes go for more volume; up to its size. \param push 3 x k, by what each node moves the volume
     Eigen::Matrix3Xd Bulge(const DeformationGraph &graph, const PartsDeformer &parts, const GraphPose &pose,
                            const Eigen::Matrix3Xd &push) const;
     /// \param at 3 x places, deformed

@@ -17,7 +17,7 @@ struct SurfacePose {
     HeldMotions given;
     std::vector<RegionPose> region;
     int iterations = 0; ///< of the solver, the most of a region, with those of the poses on the way
-    PoseWay way;        ///< the longest of a region; jumps and is unstable where one does and is
+    PoseWay way;        ///< steps: the most of a region; jumps, unstable: whether those of any region are
     bool converged = true;
     double energy = 0; ///< Eq. 2, world units^2
 
@@ -39,8 +39,8 @@ struct MovingSurface {
     Frame frame; ///< that of the first region, or only the metric where there is none
     std::vector<std::shared_ptr<const MovingRegion>> regions;
     LooseSurface loose;
-    std::vector<int> slotTag; ///< one per vertex slot, noVertex where it is deleted; where vertices share a place that
-                              ///< no region holds or bends, that of what holds it
+    std::vector<int> slotTag; ///< one per vertex slot, noVertex if it is deleted; vertices that share a place in no
+                              ///< region have the tag of what holds it
     LooseFollowing following;
     std::vector<Eigen::Vector3d> leaderRest; ///< of each loose part, mesh units
     std::vector<std::uint32_t> carried;      ///< slots of handles, and of loose parts

@@ -7,7 +7,7 @@
 
 namespace vcg::fcd {
 
-/// What a map of points does to normals, but for their length; the map may flatten.
+/// What a map of points does to normals, up to their length; the map may flatten.
 template <class Scalar>
 Eigen::Matrix<Scalar, 3, 3> Cofactors(const Eigen::Matrix<Scalar, 3, 3> &map) {
     Eigen::Matrix<Scalar, 3, 3> c;

@@ -16,7 +16,7 @@ enum class PatchMeasure {
 /// How the deformation graph is built.
 struct GraphParam {
     double targetRadius = 0; ///< D, mesh units, >= 0; 0 = 0.75 sqrt(area / Patches()), of the area that can bend
-    int initialPatches = 0;  ///< k0, >= 1; 0 = Patches(), and of a Deformer as many as the surface asks for
+    int initialPatches = 0;  ///< k0, >= 1; 0 = Patches(), and for a Deformer as many as the surface needs
     int maxIterations = 100; ///< >= 1
     double tolerance = 1e-3; ///< of the cost, [0, 1)
     unsigned randomSeed = 1;

@@ -45,7 +45,7 @@ struct SurfaceMark {
     /// \param world from mesh units to the world
     static SurfaceMark Of(const SurfaceView &surface, const Eigen::Affine3d &world);
 
-    /// Whether it is the same surface, at the same place but for 1e-4 of its diagonal.
+    /// Whether it is the same surface, at the same place within 1e-4 of its diagonal.
     bool IsSame(const SurfaceMark &other) const;
 };
 

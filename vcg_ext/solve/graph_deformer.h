@@ -89,7 +89,7 @@ class GraphDeformer {
         return pose;
     }
 
-    /// How far \p pressure (k values) moves the free nodes, smoothly, but for its size. 0 for those that are given.
+    /// How far \p pressure (k values) moves the free nodes, smoothly, up to its size. 0 for those that are given.
     Eigen::VectorXd Spread(const Eigen::VectorXd &pressure) const {
         Eigen::VectorXd way = Eigen::VectorXd::Zero(pressure.size());
         Eigen::VectorXd known(Eigen::Index(unknown.position.size()));

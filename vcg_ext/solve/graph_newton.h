@@ -27,7 +27,7 @@ class GraphNewton {
             mass += energy.TurningMass(i);
     }
 
-    /// Finds where the energy is stationary, be it a minimum or a saddle, from \p state. Counts the steps in \p pose,
+    /// Finds where the energy is stationary, a minimum or a saddle, from \p state. Counts the steps in \p pose,
     /// to \p mostIterations. \return whether it did
     bool FindStationary(int mostIterations, State &state, GraphPose &pose, const Progress &progress) {
         const int most = 40; // where the shape is about to give way; otherwise four to ten do

@@ -18,8 +18,8 @@ struct SolverParam {
     /// By Anderson's method. Without it, the steps are those of the paper alone, and stop where one moves no node by
     /// more than the tolerance times the diagonal.
     bool accelerated = true;
-    /// Whether the pose comes to rest near where it begins, be that stable or not, instead of going from there to
-    /// wherever the energy is less. Where it soon comes to rest, the bits are the same.
+    /// Whether the pose comes to rest near where it begins, stable or not, instead of at any place of less energy. If
+    /// it comes to rest soon, the bits are the same.
     bool follow = false;
 
     bool operator==(const SolverParam &o) const {

@@ -45,7 +45,7 @@ struct SurfaceView {
         return Eigen::Map<const Eigen::Matrix3Xd>(position, 3, Eigen::Index(vertexSlots));
     }
 
-    /// The same, by all threads, for whoever changes them.
+    /// The same, by all threads, for callers that change them.
     Eigen::Matrix3Xd Copy(unsigned threads = 0) const;
 
     /// The same surface with its vertices elsewhere. \param other 3 x slots, which must outlive the result

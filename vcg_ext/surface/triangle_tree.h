@@ -311,7 +311,7 @@ class TriangleTree {
             order(0, 2);
             order(1, 3);
             order(1, 2);
-            // The nearest one comes last, but for those too far, which the next ones are written over.
+            // The nearest one comes last; those too far are overwritten by the next ones.
             std::copy(near.begin(), near.end(), next.begin() + count);
             count += found;
         }
