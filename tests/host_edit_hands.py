@@ -1426,7 +1426,7 @@ def test_a_pose_takes_the_place_of_another(window, tmp_path):
     w.wait_for_title("Replace pose")
     w.shot("asks")
     w.key("Return")
-    w.wait("The pose 'bent' is another one now.")
+    w.wait("The pose 'bent' is replaced.")
     second = poses("second.csv")
     assert second.splitlines()[0] == first.splitlines()[0] and second != first and second.endswith("\n0,smooth,0\n1,smooth,100\n")
     assert np.array_equal(load(w.save("replaced.ply"))[0], turned)
@@ -1440,7 +1440,7 @@ def test_a_pose_takes_the_place_of_another(window, tmp_path):
     w.key("Return")
     w.wait_for_title("Replace pose")
     w.key("Escape")
-    w.wait("The name 'bent' is that of another pose, which stays.")
+    w.wait("Another pose is called 'bent' and stays. Choose another name.")
     assert poses("kept.csv") == undone
 
     show_percent(w, 0, 40)
@@ -1565,7 +1565,7 @@ def test_an_animation_is_played(window, tmp_path):
     w.drag((X + 225, Y), (X + 165, Y - 150))
     bent = w.seen()
     w.click(w.place("frame"))
-    w.wait("What is shown is no pose that has a name: 'Keep pose' makes it one.")
+    w.wait("What is shown is no named pose: 'Keep pose' makes it one.")
     keep_pose(w, "bent")
     show_percent(w, 0, 50)
     half = load(w.save("half.ply"))[0]

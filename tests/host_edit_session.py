@@ -283,7 +283,7 @@ def test_a_fit_goes_on_in_another_run(window, another, tmp_path):
     pulled = fitted_session(w, tmp_path / "pulled.fcd", shown)
 
     w = another(*meshes)
-    by_filter(Filters(w), "FCD: Load Session", tmp_path / "pulled.fcd", f"{shown} The layer was at rest, and has the pose of then now.")
+    by_filter(Filters(w), "FCD: Load Session", tmp_path / "pulled.fcd", f"{shown} The layer was at rest; it has the saved pose now.")
     w.start_tool("FCD: Fit")
     w.wait("trace: pulled") # for the distances
     w.settle()

@@ -40,6 +40,6 @@ QString ActionTable::page(const std::vector<std::pair<QString, QString>> &more) 
         return "<td width='50%'><table>" + lines.mid(begin, count).join("") + "</table></td>";
     };
     const int left = (lines.size() + 1) / 2;
-    return "<p>Keys belong to what is under the mouse: these are those of the view.</p><table width='100%'><tr>" +
+    return "<p>A key acts on what is under the mouse. These are the keys of the view.</p><table width='100%'><tr>" +
            column(0, left) + column(left, -1) + "</tr></table>";
 }

@@ -19,7 +19,7 @@ class ActionTable {
     };
     ActionTable(std::initializer_list<Row> rows) : rows(rows) {}
 
-    /// What a key does, null where it is none of ours.
+    /// What a key does, null if it is not in the table.
     const Row *of(const QKeyEvent &event) const;
     /// A tool tip with the keys of an action after it.
     QString withKeys(const QString &tip, int action) const;

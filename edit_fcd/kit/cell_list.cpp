@@ -82,7 +82,7 @@ CellList::CellList(const std::vector<ListColumn> &columns, int height, QWidget *
     setSelectionBehavior(QTableView::SelectRows);
     setSelectionMode(QTableView::SingleSelection);
     setEditTriggers(QTableView::DoubleClicked);
-    setFocusPolicy(Qt::NoFocus); // keys stay with the view, but for what is edited
+    setFocusPolicy(Qt::NoFocus); // keys stay with the view, except in a cell that is edited
     setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
     setWordWrap(false);
     setFixedHeight(height);

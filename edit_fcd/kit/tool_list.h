@@ -43,7 +43,7 @@ class CountBox : public QSpinBox {
     void fixup(QString &) const override {}
 };
 
-/// Gives a widget of a panel its name and its tip. Keys stay with the view, but for what is typed into it.
+/// Gives a widget of a panel its name and its tip. Keys stay with the view, except those typed into it.
 template <class Widget>
 Widget *named(Widget *widget, const char *name, const QString &tip) {
     widget->setObjectName(name);

@@ -30,7 +30,7 @@ void dockPanel(GLArea &view, QDockWidget &panel);
 /// cancelled
 QString fileToSave(GLArea &view, const QString &title, const QString &kinds, const QStringList &endings);
 
-/// Tells where things of a panel are, for whoever drives it by a script.
+/// Tells where things of a panel are, for tests that drive it by a script.
 void tracePlaces(QWidget &panel);
 
 #endif

@@ -9,10 +9,10 @@
 #include <algorithm>
 
 /// \file
-/// Undo over applies: a layer keeps the rest shapes of before them, as far as RestShape does.
+/// Undo over applies: back to the rest shape before one, if RestShape still keeps it.
 
-/// A rest shape of before, as shapeOf tells it, is that of the layer again, and what it shows; copies of the layer have
-/// their rest shapes before that. \return false: it is not kept, and nothing has changed
+/// Makes an earlier rest shape, which shapeOf identifies, the layer's rest shape again and shows it. Copies of the
+/// layer take over its rest shapes first. \return false: it is not kept, and nothing has changed
 inline bool goBackTo(const MeshDocument &document, MeshModel &layer, std::uint64_t shape) {
     if (!RestShape::exists(layer))
         return false;
@@ -27,7 +27,8 @@ inline bool goBackTo(const MeshDocument &document, MeshModel &layer, std::uint64
     return true;
 }
 
-/// From which apply on the shapes of before are kept. \param shapeBefore each of \p applies
+/// The first apply, of so many, from which on the shapes before are kept. \param shapeBefore(i) the shape before apply
+/// i
 template <class ShapeBefore>
 std::size_t firstKept(MeshModel &layer, std::size_t applies, const ShapeBefore &shapeBefore) {
     if (applies == 0 || !RestShape::exists(layer))

@@ -22,7 +22,7 @@ class PoseSolver {
     PoseSolver(const PoseSolver &) = delete;
     PoseSolver &operator=(const PoseSolver &) = delete;
 
-    /// Whether it is prepared for tags, these very ones, and by the same numbers.
+    /// Whether it is prepared for this very object of tags, and with the same parameters.
     bool isPrepared(const Tags &tags, const Param &param) const;
     /// \param surface of the layer at rest \param world its matrix \throw vcg::fcd::Error \throw vcg::fcd::Cancelled
     void prepare(const Tags &tags, const Param &param, const vcg::fcd::SurfaceView &surface,
@@ -38,13 +38,13 @@ class PoseSolver {
     const vcg::fcd::Deformer::Pose &solveBlend(std::vector<std::map<int, vcg::fcd::Motion>> poses,
                                                const Eigen::Affine3d &world, const std::vector<double> &weight,
                                                const Param &param);
-    /// The same on the way of an animation: from the pose before, the first one from rest. \pre it was begun, and
-    /// nothing else was solved or prepared since
+    /// Begins an animation: solveNextBlend then goes on from the pose before, and from rest at first, as long as
+    /// nothing else is solved or prepared.
     void beginBlends(std::vector<std::map<int, vcg::fcd::Motion>> poses, const Eigen::Affine3d &world,
                      const Param &param);
     const vcg::fcd::Deformer::Pose &solveNextBlend(const std::vector<double> &weight) { return blends->Go(weight); }
     void endBlends() { blends.reset(); }
-    /// The next one begins at rest.
+    /// Makes the next pose begin at rest.
     void forgetPose() { last.reset(); }
 
   private:

@@ -16,16 +16,16 @@ class RestGuard {
   public:
     /// \throw vcg::fcd::Error a matrix without an inverse
     explicit RestGuard(MeshModel &layer);
-    /// The present shape of the layer is the rest shape from now on.
+    /// Makes the present shape of the layer the rest shape.
     void keep();
-    /// The layer has a pose of the rest shape that it keeps (RestShape): \p keepRest is called while it has that, and
-    /// calls keep(). \pre it has one
+    /// The same for a layer in a pose of its RestShape: calls \p keepRest, which calls keep(), while the layer is at
+    /// rest. \pre it has a RestShape
     void keepPosed(const std::function<void()> &keepRest);
 
     /// Whether the layer has as many vertices and faces as it had.
     bool fits() const { return layer.cm.vert.size() == position.size() && layer.cm.face.size() == faceNormal.size(); }
     bool isPosed() const { return posed; }
-    /// The vertices have another shape from now on; once that is written, know() it.
+    /// Call before a pose is written to the vertices, and know() afterwards.
     void leave() { posed = true; }
     void know();
     /// Whether the layer has the shape, and the normals, that it had when that was known last.
@@ -36,9 +36,10 @@ class RestGuard {
     using Shown = std::vector<std::pair<Point3m, Point3m>>;
     Shown shown() const;
 
-    /// Gives the vertices of the layer their positions and normals at rest, where they have others.
+    /// Gives vertices their positions and normals at rest.
     void restoreVertices();
-    /// The rest shape, to the bit, with normals of faces and the box; nothing where the layer is another mesh by now.
+    /// Restores the rest shape to the bit, with normals of faces and the box; nothing if the layer is another mesh by
+    /// now.
     void restore();
 
     /// Per vertex slot, in the layer.

@@ -6,8 +6,8 @@
 
 #include <optional>
 
-/// How a layer is shown in a view while it is bent: as the person has chosen, but for large layers that are shaded by
-/// face: while they move, these are shaded by vertex, which needs a third of the buffers.
+/// How a layer is shown in a view while it is bent: as the user has chosen. Only large layers with flat shading are
+/// shaded by vertex while they move, which needs a third of the buffers.
 class DisplayState {
   public:
     DisplayState(GLArea &view, const MeshModel &layer) : view(view), layer(layer) {}

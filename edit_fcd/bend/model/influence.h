@@ -12,7 +12,7 @@
 #include <set>
 #include <vector>
 
-/// The rest shape of a layer, as far as it counts for who bends what.
+/// What the influence of handles needs to know of a layer's rest shape.
 struct BendGround {
     std::size_t vertexSlots = 0;
     double diagonal = 1;                                  ///< of the bounding box, world units
@@ -23,9 +23,9 @@ struct BendGround {
     BendReach *reach = nullptr;
 };
 
-/// Who bends what: all that follows from a state on a rest shape.
+/// What each handle bends: all that follows from a state on a rest shape.
 struct BendInfluence {
-    std::shared_ptr<const BendTags> tags;                     ///< that all this amounts to
+    std::shared_ptr<const BendTags> tags;                     ///< one per vertex slot: the result, for the deformer
     std::map<vcg::fcd::Index, Eigen::Vector3d> center;        ///< of the handles at rest, layer units
     bool isLocal = false;                                     ///< handles bend what is around them only
     std::set<int> apart;                                      ///< ranks that bend less than their radius
@@ -37,7 +37,7 @@ struct BendInfluence {
     int unusedTag() const;
 };
 
-/// \param before tags that stay the very ones where they are the same; may be null
+/// \param before returned as the tags, the same object, if the tags equal it; may be null
 BendInfluence influenceOf(const BendState &state, const BendGround &ground,
                           const std::shared_ptr<const BendTags> &before = nullptr);
 

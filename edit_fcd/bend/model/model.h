@@ -25,11 +25,11 @@ Eigen::Affine3d motionAt(const BendModel &model, int tag);
 /// The same, if these were its steps.
 Eigen::Affine3d motionBy(const BendModel &model, int tag, const std::vector<vcg::fcd::MotionStep> &steps);
 Eigen::Vector3d centerOf(const BendModel &model, int tag); ///< the middle of a handle
-Eigen::Vector3d dotOf(const BendModel &model, int tag);    ///< where it is pointed at: its vertex, or its middle
-/// Of a point on a limb that holds what is turned with it, at rest: the middle of what bends between that and what
-/// stays. None of others.
+Eigen::Vector3d dotOf(const BendModel &model, int tag);    ///< where the mouse grips it: its vertex, or its middle
+/// The joint of a point on a limb, at rest: the middle of what bends between what turns with the point and what stays.
+/// None of other handles.
 std::optional<Eigen::Vector3d> jointOf(const BendModel &model, int tag);
-/// Where it is turned and scaled: where a person has said, at its joint, or at its dot.
+/// The pivot: where the user has put it, or else the joint, or else the dot.
 Eigen::Vector3d pivotOf(const BendModel &model, int tag);
 /// By options.axes, as columns; those of the view are not known here.
 Eigen::Matrix3d axesOf(const BendModel &model, int tag);
@@ -41,14 +41,15 @@ bool isTwin(const BendModel &model, std::size_t slot, std::size_t other);
 
 // --- who goes with whom ---
 
-/// The handles that go along when one is moved: those beyond it, but for locked ones.
+/// The handles that go along when one is moved: those beyond it, except locked ones.
 std::vector<int> carriedBy(const BendModel &model, int tag);
-/// Whether a handle bends less than its radius, since others have bent what is beside it: until its radius is set.
+/// Whether a handle bends less than its radius, since others have bent the surface beside it. Setting its radius ends
+/// it.
 bool isKeptApart(const BendModel &model, int tag);
 /// Whether a handle turns a limb about its joint.
 bool turnsLimb(const BendModel &model, int tag);
-/// The handle of the joint before that of another one, with which a limb is a chain of two bones: the nearest one that
-/// takes it along, about as far from it as what is dragged; 0: none. \param held what is dragged, in the pose
+/// The handle of the joint before that of \p tag, so that the limb is a chain of two bones: the nearest one that takes
+/// it along and is about as far from it as what is dragged; 0: none. \param held what is dragged, in the pose
 int jointBefore(const BendModel &model, int tag, const Eigen::Vector3d &held);
 bool isAlong(const BendModel &model, std::size_t slot); ///< as isAlong() of its state
 /// Whether a point can be made of a vertex.
@@ -70,9 +71,10 @@ void setPose(BendModel &model, double percent);
 /// Of a handle, and of the one on the other side of the mirror. \param place in the pose, none: the handle's middle
 void setPivot(BendModel &model, int tag, const std::optional<Eigen::Vector3d> &place);
 
-/// What no handle is any more is forgotten.
+/// Forgets what belongs to handles that are gone.
 void forgetGone(BendModel &model);
-/// The motions, by the middles of handles of before, are what they were. \return whether any has changed for it
+/// Changes steps so that motions stay the same although the middles of handles have moved. \param before these middles,
+/// by tag, before \return whether any has changed
 bool keepPlaces(const BendModel &model, const std::map<vcg::fcd::Index, Eigen::Vector3d> &before,
                 std::map<int, std::vector<vcg::fcd::MotionStep>> &motion);
 

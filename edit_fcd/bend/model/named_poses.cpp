@@ -92,7 +92,7 @@ PoseSequence withKeyFrames(PoseSequence poses, std::vector<KeyFrame> frames) {
 
 PoseSequence withKeyFrame(const BendState &state, bool moves) {
     if (state.weights.empty() && moves)
-        throw Error("What is shown is no pose that has a name: 'Keep pose' makes it one.");
+        throw Error("What is shown is no named pose: 'Keep pose' makes it one.");
     PoseSequence poses = expectPoses(state);
     poses.key.push_back({poses.key.empty() ? 0 : poses.key.back().time + 1, Easing::Smooth, weightsOfPoses(state)});
     return poses;

@@ -34,7 +34,7 @@ struct BendExtent {
     float shareOf(std::size_t slot) const; ///< how much any vertex moves with the handle, from 0 to 1
 };
 
-/// What lies within some way of vertices, along the surface of the rest shape.
+/// What lies within some distance of vertices, along the surface of the rest shape.
 class BendReach {
   public:
     /// The surface at rest, and what lengths are measured by, that of the layer's matrix.
@@ -42,10 +42,10 @@ class BendReach {
     /// \param source asked when something of the surface is, first
     explicit BendReach(Source source) : source(std::move(source)) {}
 
-    /// Reads the surface at rest if it is not, beside what is done next; whoever asks for it waits.
+    /// Begins to read the surface at rest in the background, if it is not read; questions about it wait until it is.
     void begin();
     void clear();
-    bool isRead() const; ///< so that nobody has to wait
+    bool isRead() const; ///< then no question waits
     /// The same for a coarser surface, a few milliseconds' work for what is shown while the mouse moves.
     BendReach &glance();
 

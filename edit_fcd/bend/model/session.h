@@ -37,8 +37,8 @@ struct BendStroke {
 ///
 /// The layer has the pose; its colours, quality and textures are as they were, and its tags are marks. leave() makes
 /// the pose what a filter would have made of it; the session goes on when the tool comes back. Motions and places are
-/// in the world, that is after the layer's matrix, but for slots. (More than 25 functions: a layer has marks, poses
-/// with names and a shape, and what changes one of these changes them all.)
+/// in the world, after the layer's matrix. (More than 25 functions: a layer has marks, poses with names and a shape,
+/// and what changes one of these changes them all.)
 class BendSession {
   public:
     /// The present shape of \p layer becomes the rest shape, its tags the marks.
@@ -47,8 +47,9 @@ class BendSession {
 
     /// Whether the layer has as many vertices and faces as it had.
     bool fits() const { return rest.fits(); }
-    /// Goes on with what the layer keeps of a session of before, or of a file: rest shape, handles, motions, line and
-    /// options. \return whether it keeps any of that \throw vcg::fcd::Error it makes no sense; nothing has changed
+    /// Goes on with what the layer keeps of an earlier session or a file: rest shape, handles, motions, line and
+    /// options. \return whether it keeps any of these \throw vcg::fcd::Error they do not fit the layer; nothing has
+    /// changed
     bool goOn();
     /// Undo leads back to what another session knew of the layer, if that began from the same shape.
     void follow(BendSession &&before);

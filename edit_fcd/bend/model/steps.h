@@ -6,7 +6,7 @@
 
 #include <vector>
 
-/// Steps that make a motion, but for rounding. \param center of the handle at rest, in the world
+/// Steps that make a motion, up to rounding. \param center of the handle at rest, in the world
 std::vector<vcg::fcd::MotionStep> stepsOf(const vcg::fcd::Motion &motion, const Eigen::Vector3d &center);
 
 /// Says in the steps where they turn and scale, which is the middle of their handle until then. \param center of the

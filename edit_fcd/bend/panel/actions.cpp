@@ -26,8 +26,8 @@ const ActionTable &bendActions() {
          "turn the limb under the mouse so that this place follows: at the last joint that was turned, or where it "
          "begins"},
         {BendAction::Pivot, "P",
-         "what the mouse points at is where the selected handle turns: a place of the surface, or another handle's "
-         "middle; beside the mesh, its own middle again"},
+         "put the pivot of the selected handle under the mouse, on a place or another handle's middle; beside the "
+         "mesh: on its own middle again"},
         {BendAction::Undo, "Ctrl+Z", "undo, also over applies"},
         {BendAction::Redo, "Ctrl+Shift+Z", "redo"},
         {BendAction::Reset, "Backspace", "take all motions back"},
@@ -47,7 +47,7 @@ QString bendKeyPage() {
           "X, Y, Z: along or about an axis; a number; G, R, S; Ctrl: in steps; Shift: onto another layer "
           "under the mouse; "
           "wheel: how far it bends what is around; click or Enter keeps, right click or Esc cancels"},
-         {"Ctrl, wheel", "how wide the free rim of the mark under the mouse is, in which nothing else is held"},
+         {"Ctrl, wheel", "width of the free rim of the mark under the mouse; nothing else is held in it"},
          {"camera",
           "drag beside the mesh, or with the right or middle button; wheel; a double click centers a place"}});
 }

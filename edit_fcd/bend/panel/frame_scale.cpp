@@ -5,7 +5,7 @@
 #include <cmath>
 
 int FrameScale::last() const {
-    return key.empty() ? 0 : int(std::ceil((key.back() - key.front()) * rate - 1e-6)); // but for rounding
+    return key.empty() ? 0 : int(std::ceil((key.back() - key.front()) * rate - 1e-6)); // up to rounding
 }
 
 double FrameScale::timeOf(int frame) const { return std::clamp(key.front() + frame / rate, key.front(), key.back()); }

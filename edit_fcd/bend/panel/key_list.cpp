@@ -12,8 +12,7 @@ const int easingCount = 3;
 
 BendKeyList::BendKeyList(QWidget *parent)
     : CellList({{"time, s", "When it is reached; double click to type", 56},
-                {"easing",
-                 "How it goes on from there, up to the next one: linear, smooth, or hold. A click is the next one", 62},
+                {"easing", "How it goes on to the next key frame: linear, smooth or hold. A click changes it", 62},
                 {"key frame", "The poses that it has; a click shows it", 0},
                 {"", "Removes the key frame", 22}},
                72, parent) {

@@ -40,15 +40,14 @@ BendLineBox::BendLineBox(QWidget *parent) : QWidget(parent) {
         connect(button, &QPushButton::clicked, this, [this, which] { emit command(which); });
         row.addWidget(button);
     };
-    source = named(new QComboBox, "line",
-                   "The line that the layer is straightened along: the points that are clicked, in their order, or a "
-                   "layer with edges");
+    source = named(
+        new QComboBox, "line",
+        "The line that the layer is straightened along: the clicked points, in their order, or a layer with edges");
     form->addRow("Line", source);
     auto *files = new QHBoxLayout;
-    add(*files, "loadline", "Load ...", "The points of a file (.pp, .csv, .txt) take the place of those that there are",
-        Load);
+    add(*files, "loadline", "Load ...", "Replaces the points by those of a file (.pp, .csv, .txt)", Load);
     add(*files, "saveline", "Save ...", "Writes the points as a list (.csv), which 'FCD: Straighten Mesh' reads", Save);
-    add(*files, "clearline", "Clear", "Takes all points away", Clear);
+    add(*files, "clearline", "Clear", "Removes all points", Clear);
     form->addRow(files);
     const StraightenTexts texts = straightenTexts();
     middle = named(new QCheckBox(texts.middle.label), "middle", texts.middle.help);

@@ -130,9 +130,8 @@ void BendPanel::addMarking(QWidget &place) {
     brushPixels->setValue(QSettings().value(brushSetting, 20).toInt());
     brushPixels->setSuffix(" px");
     radiusPercent = withTip(
-        new NumberBox,
-        "How far along the surface a handle bends what is around it where nothing is marked as fixed, of the diagonal "
-        "of the bounding box; a fifth of it is left free between marks (wheel while dragging)");
+        new NumberBox, "How far along the surface a handle bends what is around it while nothing is marked as fixed, "
+                       "in percent of the diagonal; a fifth of it stays free around marks (wheel while dragging)");
     radiusPercent->setRange(0.5, 400);
     radiusPercent->setValue(QSettings().value(radiusSetting, 100 * usualRadius).toDouble());
     radiusPercent->setSuffix(" %");
@@ -176,7 +175,7 @@ void BendPanel::addMarking(QWidget &place) {
                       .arg(std::abs(exponent) > 0.7 ? "white" : "black", text);
     }
     stretched->addWidget(stretch);
-    stretched->addWidget(withTip(new QLabel(legend), "How long the surface is there, of its length at rest"));
+    stretched->addWidget(withTip(new QLabel(legend), "Length of the surface, in multiples of its length at rest"));
     stretched->addStretch();
     form->addRow(stretched);
 }

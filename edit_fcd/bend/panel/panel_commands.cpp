@@ -76,7 +76,7 @@ void BendPanel::addFolds(QBoxLayout &column) {
     };
     add("marks_fold", "Marks", "What is marked and how, symmetry, stretch", marking, true);
     add("handles_fold", "Handles", "The list of handles", list, true);
-    add("poses_fold", "Poses", "Poses that have names, blended by sliders, and key frames", poseBox, false);
+    add("poses_fold", "Poses", "Named poses, blended by sliders, and key frames", poseBox, false);
     add("more", "More", "What shapes a deformation, motions as text, graph layers, figures", moreOptions, false);
     auto *keys = new QToolButton;
     keys->setObjectName("keys");
@@ -142,8 +142,8 @@ void BendPanel::addMore(QBoxLayout &column) {
     connect(elastic, &QCheckBox::toggled, rigidityValue, &QWidget::setDisabled); // that keeps its volume is rigid
     patchCount = new CountBox;
     patchCount->setObjectName("patches");
-    patchCount->setToolTip("How many patches the surface is divided into: more bend in more places, and take longer. "
-                           "Automatic (0): 100 to 1500, as many as the surface is worth");
+    patchCount->setToolTip("How many patches the surface is divided into: with more it bends more finely, and takes "
+                           "longer. Automatic (0): 100 to 1500, as many as it needs");
     patchCount->setRange(0, 20000);
     patchCount->setSpecialValueText("automatic");
     form->addRow("Detail", patchCount);
@@ -178,11 +178,11 @@ void BendPanel::addMore(QBoxLayout &column) {
 
 void BendPanel::setGhostsArePoints(bool arePoints) {
     onion->setText(arePoints ? "Onion skin (points: the layer is large)" : "Onion skin");
-    onion->setToolTip(QString("Shows the key frames next to what is shown as ghosts: the one before in green, the one "
-                              "after in blue%1")
-                          .arg(arePoints ? ". This layer has so many faces that ghosts of faces would slow a drag: "
-                                           "they are some of its vertices"
-                                         : ""));
+    onion->setToolTip(
+        QString("Shows the neighbouring key frames as ghosts: the one before in green, the one after in blue%1")
+            .arg(arePoints
+                     ? ". This layer has so many faces that they would slow a drag: ghosts are some of its vertices"
+                     : ""));
 }
 
 /// Once it has a place.

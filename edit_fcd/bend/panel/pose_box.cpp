@@ -27,13 +27,12 @@ BendPoseBox::BendPoseBox(QWidget *parent) : QWidget(parent) {
         return made;
     };
     auto *files = row(1);
-    files->addWidget(made("keep", "Keep pose",
-                          "The layer keeps what is shown as a pose that has a name: type it, then Enter", Keep));
-    files->addWidget(made("frame", "Key frame",
-                          "What is shown of the poses becomes a key frame, a second after the last one", KeyFrame));
     files->addWidget(
-        made("loadposes", "Load ...",
-             "Poses of a table (.csv), as 'FCD: Pose Sequence' has it, take the place of those that there are", Load));
+        made("keep", "Keep pose", "Keeps what is shown as a named pose of the layer: type the name, then Enter", Keep));
+    files->addWidget(made("frame", "Key frame",
+                          "Makes a key frame of what is shown of the poses, a second after the last one", KeyFrame));
+    files->addWidget(made("loadposes", "Load ...",
+                          "Replaces the poses by those of a table (.csv), as 'FCD: Pose Sequence' reads it", Load));
     files->addWidget(made("saveposes", "Save ...",
                           "Writes the poses as a table (.csv): no file of MeshLab has room for them", Save));
     frames = new BendKeyList;

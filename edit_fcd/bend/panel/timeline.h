@@ -18,7 +18,7 @@ class BendTimeline : public QWidget {
     explicit BendTimeline(QWidget *parent = nullptr);
     /// \param times of the key frames, seconds, ascending
     void show(const std::vector<double> &times);
-    /// The time that is shown in the view, none where that is none of the animation.
+    /// The time that is shown in the view, none if no time of the animation is.
     void showTime(const std::optional<double> &time);
     QString textOf(double time) const; ///< its frame, and the seconds
 

@@ -140,7 +140,7 @@ QString BendTool::stateText() const {
     else
         text = "Drag a handle (red), or a point of the surface. G, R, S: " + textOfKeys() + ".";
     if (drag && !drag->carried.empty())
-        text += "\nHandles beyond it go along, but for locked ones.";
+        text += "\nHandles beyond it go along, except locked ones.";
     if (drag && isKeptApart(session->model(), drag->tag))
         text += "\nDoes not affect areas bent by other handles; scroll to include them.";
     else if (session->model().influence.isLocal)

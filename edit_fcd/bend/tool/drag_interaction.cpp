@@ -54,7 +54,7 @@ void DragInteraction::begin(const Grip &what) {
             tookToPrepare = stage.session->prepare(progress);
         },
         [this] { beginPrepared(); },
-        [this] { // the layer has the shape of before
+        [this] { // the layer has the shape before
             stage.session->cancel();
             stage.showOverlay();
             stage.ended();

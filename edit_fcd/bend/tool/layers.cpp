@@ -64,7 +64,7 @@ bool BendTool::open(MeshModel &newModel) {
     }
     if (!session->takePoses())
         say("The layer '" + newModel.label().toStdString() +
-            "' keeps poses of another shape, or place: here they begin from what it is now.");
+            "' keeps poses of another shape or place: they begin from what it is now.");
     if (newModel.cm.vn > preparedAtOnce)
         session->readAhead();
     enterLayer(newModel);

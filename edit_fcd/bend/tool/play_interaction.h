@@ -9,7 +9,7 @@ class PlayInteraction : public BendInteraction {
   public:
     using BendInteraction::BendInteraction;
     void begin();
-    void cancel() override; ///< the layer has the shape of before
+    void cancel() override; ///< the layer has the shape before
     void move(QMouseEvent &) override {}
     bool takesAllKeys() const override { return frames.isActive(); }
     bool isEndedByAll() const override { return frames.isActive(); }

@@ -134,17 +134,16 @@ void BendTool::renamePose(std::size_t number, const std::string &name) {
     const auto poses = session->state().poses;
     const bool isWanted =
         QMessageBox::question(view->window(), "Replace pose",
-                              "There is a pose '" + QString::fromStdString(name) +
-                                  "' already. Does this one take its place?",
+                              "There is a pose '" + QString::fromStdString(name) + "' already. Replace it?",
                               QMessageBox::Yes | QMessageBox::No, QMessageBox::Yes) == QMessageBox::Yes;
     if (!isReady() || session->state().poses != poses)
         return;
     if (!isWanted)
-        throw vcg::fcd::Error("The name '" + name + "' is that of another pose, which stays.");
+        throw vcg::fcd::Error("Another pose is called '" + name + "' and stays. Choose another name.");
     session->change();
     session->replacePose(*other, number);
     solve(true);
-    say("The pose '" + name + "' is another one now. Undo takes that back.");
+    say("The pose '" + name + "' is replaced. Undo takes that back.");
 }
 
 void BendTool::showBlend(const std::vector<double> &weights) {

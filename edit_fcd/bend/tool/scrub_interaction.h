@@ -14,7 +14,7 @@ class ScrubInteraction : public BendInteraction {
     void to(double time);
     double time() const { return asked; } ///< seconds, as the key frames have it
     void end();
-    void cancel() override; ///< the layer has the shape of before
+    void cancel() override; ///< the layer has the shape before
     void move(QMouseEvent &) override {}
     bool takesAllKeys() const override { return isReady; }
     bool isEndedByAll() const override { return isReady; }

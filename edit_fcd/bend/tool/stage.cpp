@@ -191,7 +191,8 @@ void BendStage::beside(const QString &what, const JobRunner::Work &work, std::fu
             }
             stopPreparing(); // what something else has made of the layer stays
             if (!thrown)
-                throw vcg::fcd::Error("Something else has changed the layer meanwhile: what was begun is not done.");
+                throw vcg::fcd::Error(
+                    "Something else has changed the layer meanwhile, so this was not done. Begin again.");
             try {
                 std::rethrow_exception(thrown);
             } catch (const vcg::fcd::Cancelled &) { // a person knows

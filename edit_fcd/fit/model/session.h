@@ -27,7 +27,7 @@ struct FitState {
     std::shared_ptr<const FitLines> lines; ///< that lead it when it is pulled; null: none
     PaintedLayers painted;
     FitShape shape = FitShape::Rest;
-    std::size_t applies = 0; ///< in place, since the session began: each made the shape of then the rest shape
+    std::size_t applies = 0; ///< in place, since the session began: each made its shape the rest shape
 
     bool operator==(const FitState &other) const {
         return pairs == other.pairs && options == other.options && lines == other.lines && painted == other.painted &&
@@ -170,7 +170,7 @@ class FitSession {
     std::string chosenTarget;
     std::shared_ptr<const FitToolState> kept; ///< that the layer got here, or that was taken from it
     History<FitState> history{64};            // each may hold weights of its own
-    std::vector<std::uint64_t> applied;       ///< the rest shapes of before each apply
+    std::vector<std::uint64_t> applied;       ///< the rest shape before each apply
 
     std::shared_ptr<const LayerFit> followFit; ///< which followFitter needs
     std::shared_ptr<const vcg::fcd::Fitter> followFitter;

@@ -80,7 +80,7 @@ std::string FitSession::applyInPlace(const MeshModel &target) {
     poseFitted(document, layer, *fitted);
     ++now.applies;
     now.shape = FitShape::Rest;
-    now.lines = nullptr; // they are of the shape of before
+    now.lines = nullptr; // they are of the shape before
     keepRest();
     return call;
 }

@@ -153,8 +153,8 @@ void FitPanel::addShape(QBoxLayout &column) {
     });
     start =
         choice("start", {"As the layers lie", "Moved by the pairs", "Moved and scaled by the pairs", "Axes tried out"},
-               "What happens first to all of this layer. By pairs: where there are three of them, not on a line; "
-               "axes: when it is pulled");
+               "How the whole layer is moved first. By the pairs: needs three that are not on a line. Axes: when it is "
+               "pulled");
     start->setCurrentIndex(int(FitOptions().start));
     form->addRow("Start", start);
     auto *counts = new QHBoxLayout; // in the order of Weights
@@ -163,7 +163,7 @@ void FitPanel::addShape(QBoxLayout &column) {
                "What of this layer is pulled: all of it; as much as its vertex quality says, from 0 to 1; or what "
                "is selected, or painted. The rest is carried along, such as the gum of a dental scan");
     targetWeights = choice("targetweights", {"Target: all", "Target: quality", "Target: selected", "Target: painted"},
-                           "What of the target pulls. The rest is as if it were not there");
+                           "What of the target pulls. The rest is ignored");
     for (QComboBox *each : {weights, targetWeights}) {
         each->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon); // no wider than the others
         each->setMinimumContentsLength(6);
@@ -171,11 +171,12 @@ void FitPanel::addShape(QBoxLayout &column) {
     }
     form->addRow("Counts", counts);
     auto *painting = new QHBoxLayout;
-    brushButtons = choiceOf(
-        *this, &FitPanel::brushChosen, *painting,
-        {{"brushpairs", "Off", "Clicks place pairs (B)"},
-         {"brushcounts", "Counts", "Paints what is pulled, or pulls, on either layer (B, and X for the other one)"},
-         {"brushcarried", "Carried", "Paints what is not matched, on either layer: it is carried along (B, X)"}});
+    brushButtons =
+        choiceOf(*this, &FitPanel::brushChosen, *painting,
+                 {{"brushpairs", "Off", "Clicks place pairs (B)"},
+                  {"brushcounts", "Counts", "Paints what is matched, on either layer (B; X: the other paint)"},
+                  {"brushcarried", "Carried",
+                   "Paints what is not matched but carried along, on either layer (B; X: the other paint)"}});
     brushPixels = named(new CountBox, "brush", "How far the brush paints around the mouse (wheel)");
     brushPixels->setRange(2, 500);
     brushPixels->setValue(20);
@@ -190,7 +191,7 @@ void FitPanel::addShape(QBoxLayout &column) {
     form->addRow("Largest distance", largest);
     auto *lines = new QHBoxLayout;
     curves = button("curves", "", "", FitAction::LoadCurves);
-    noCurves = button("nocurves", "Without", "The pull goes by no curves", FitAction::ClearCurves);
+    noCurves = button("nocurves", "Without", "Removes the curves", FitAction::ClearCurves);
     lines->addWidget(curves, 1);
     lines->addWidget(noCurves);
     form->addRow("Curves", lines);

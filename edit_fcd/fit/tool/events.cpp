@@ -301,13 +301,13 @@ void FitTool::apply(bool inPlace) {
     const MeshModel &onto = expectedTarget();
     const auto tell = [this](const std::string &call) { say("In a script: " + call); };
     session->expectFitted(onto);
-    stopWork(); // that would go on with the shape of before
+    stopWork(); // that would go on with the shape before
     session->change();
     if (inPlace) {
         const bool hadCurves = session->state().lines != nullptr;
         tell(session->applyInPlace(onto));
         if (hadCurves)
-            say("The curves were those of the shape of before: load some of this one.");
+            say("The curves were those of the earlier shape. Load curves of this one.");
         showVertices(true);
         showColors();
         return;
