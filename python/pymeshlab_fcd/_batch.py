@@ -142,7 +142,7 @@ def _apply(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Ro
     others = _splats.columns(ply.names, ply.columns(), bend.linear(ply.vertices, threads=threads)) if _splats.is_splats(ply.names) else {}
     ply.save(out, moved, turned, others)
     way = np.linalg.norm(moved - ply.vertices, axis=1)
-    return {"vertices": len(way), "largest_displacement": float(way.max(initial=0)), "off_by": bend.largest_difference}
+    return {"vertices": len(way), "largest_displacement": float(way.max(initial=0, where=np.isfinite(way))), "off_by": bend.largest_difference}
 
 
 def _straighten(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
@@ -174,8 +174,9 @@ def _info(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row
         samples = bend.samples
         return {"samples": len(samples), "off_by": bend.largest_difference, "low": samples.min(0).tolist(), "high": samples.max(0).tolist()}
     vertices, faces, _ = _target(path)
-    return {"vertices": len(vertices), "faces": 0 if faces is None else len(faces), "low": np.nanmin(vertices, axis=0).tolist(),
-            "high": np.nanmax(vertices, axis=0).tolist()}
+    row: Row = {"vertices": len(vertices), "faces": 0 if faces is None else len(faces)}
+    whole = vertices[np.isfinite(vertices).all(axis=1)]
+    return {**row, "low": whole.min(0).tolist(), "high": whole.max(0).tolist()} if len(whole) else row
 
 
 _JOBS: dict[str, Callable[[argparse.Namespace, Path, Path, int], Row]] = {

@@ -216,6 +216,23 @@ def test_scans_are_whole_scenes(tmp_path, capsys):
     assert main(["info", str(tmp_path / "line.glb")]) == 1 and "has neither a mesh nor points" in capsys.readouterr().out
 
 
+def test_figures_are_of_what_is_finite(tmp_path, capsys):
+    vertices, faces, tags, _ = bar(9, 3)
+    holed = vertices.copy()
+    holed[0] = np.nan, 0, 99
+    write_ply(tmp_path / "holed.ply", holed, faces, tags)
+    write_ply(tmp_path / "empty.ply", vertices[:0], faces[:0], tags[:0])
+    Deformer(vertices, faces, tags).pose({2: Motion.translate([0, 0, 1])}).deformation().save(tmp_path / "lift.fcd")
+    files = [str(tmp_path / name) for name in ("holed.ply", "empty.ply")]
+    assert main(["info", *files]) == 0
+    said = capsys.readouterr().out
+    assert f"vertices {len(vertices)}, " in said and "nan" not in said and "99" not in said.partition("low")[2].partition("seconds")[0]
+    assert "vertices 0, faces 0, seconds" in said
+    assert main(["apply", str(tmp_path / "lift.fcd"), *files, "--out", str(tmp_path / "o")]) == 0
+    rows = table(tmp_path / "o" / "apply.csv")
+    assert [float(rows[name]["largest_displacement"]) for name in files] == [pytest.approx(1, abs=0.1), 0]
+
+
 def test_tables_are_taken_as_spreadsheets_save_them(tmp_path):
     path = tmp_path / "a.csv"
     for text in ("1,2,3\n4,5,6\n", "\ufeff1,2,3\r\n4,5,6\r\n", "1;2;3\n\n# more\n4;5;6;;\n", "1\t2\t3\n4\t5\t6", "1,\t2,\t3 # the nose\n\"4\",+5,6e0\n"):

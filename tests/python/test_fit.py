@@ -284,6 +284,16 @@ def test_clouds(fitter):
     assert both.deformer.faces is None and rms(both.vertices, TRUTH) < 1.5
 
 
+@pytest.mark.parametrize("times", [2, 6])
+def test_points_at_one_place_count_once_as_a_target(fitter, times):
+    """As the corners of triangles do that are not joined, and scans that were put together twice."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        once = fitter.fit(TARGET)
+        doubled = fitter.fit(np.tile(TARGET, (times, 1)))
+    assert same(doubled.vertices, once.vertices) and doubled.info.matched == once.info.matched
+
+
 @pytest.mark.parametrize("start, scale", [("landmarks_rigid", 1), ("landmarks_similar", 1.3), ("axes", 1)])
 def test_a_surface_that_lies_elsewhere(start, scale):
     away = scale * VERTICES @ np.array([[0, 0, 1], [0, -1, 0], [1, 0, 0]]) + [3, -4, 5]

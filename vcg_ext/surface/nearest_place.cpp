@@ -15,7 +15,8 @@ namespace vcg::fcd {
 class NearestPlace::Search {
   public:
     Search(const Eigen::Matrix3Xd &position, std::vector<std::array<Index, 3>> triangle,
-           const std::vector<char> &isVertex, const Progress &progress) {
+           const std::vector<char> &isVertex, const Progress &progress)
+        : position(position) {
         assert(!triangle.empty() || std::count(isVertex.begin(), isVertex.end(), char(1)) > 0);
         if (!triangle.empty()) {
             triangles = std::make_unique<detail::TriangleTree>(position, std::move(triangle), progress);
@@ -61,16 +62,28 @@ class NearestPlace::Search {
     }
 
   private:
-    /// The vertices nearest to p, by weights that fall to 0 at the next one, and are beyond all others at the vertex
-    /// itself (R. Franke, G. Nielson, Smooth interpolation of large sets of scattered data, 1980).
+    /// The vertices nearest to p, one of those at a place, by weights that fall to 0 at the next one, and are beyond
+    /// all others at the vertex itself (R. Franke, G. Nielson, Smooth interpolation of large sets of scattered data,
+    /// 1980).
     void Among(const Eigen::Vector3d &p, Hint &hint, SurfacePlace &place) const {
-        thread_local std::vector<PointTree<double>::Neighbour> nearest;
-        vertices->Nearest(p, SurfacePlace::most + 1, nearest, hint.block);
-        hint.block = vertices->BlockOf(std::size_t(nearest.front().at));
         std::array<std::pair<double, Index>, SurfacePlace::most + 1> found; // distances
-        const std::size_t count = nearest.size();
-        for (std::size_t i = 0; i < count; ++i)
-            found[i] = {std::sqrt(nearest[i].square), vertex[std::size_t(nearest[i].point)]};
+        std::size_t count = 0;
+        for (std::size_t asked = found.size(); count < found.size() && asked <= mostAsked; asked *= 4) {
+            thread_local std::vector<PointTree<double>::Neighbour> nearest;
+            vertices->Nearest(p, asked, nearest, hint.block);
+            hint.block = vertices->BlockOf(std::size_t(nearest.front().at));
+            count = 0;
+            for (std::size_t i = 0; i < nearest.size() && count < found.size(); ++i) {
+                const std::pair<double, Index> its(std::sqrt(nearest[i].square), vertex[std::size_t(nearest[i].point)]);
+                bool isRepeated = false;
+                for (std::size_t k = count; k > 0 && found[k - 1].first == its.first && !isRepeated; --k)
+                    isRepeated = position.col(found[k - 1].second) == position.col(its.second);
+                if (!isRepeated)
+                    found[count++] = its;
+            }
+            if (nearest.size() < asked)
+                break; // these are all
+        }
         std::sort(found.begin(), found.begin() + std::ptrdiff_t(count));
         const double farthest = found[0].first > 0 ? found[count - 1].first : 0; // at a vertex there is no other
         double sum = 0;
@@ -91,6 +104,11 @@ class NearestPlace::Search {
             place.weight[i] /= sum;
     }
 
+    // Where more vertices than these are at a place, as zeros for what a scanner missed, that place is all that is
+    // found.
+    static constexpr std::size_t mostAsked = std::size_t(16) * (SurfacePlace::most + 1);
+
+    const Eigen::Matrix3Xd &position;
     std::unique_ptr<detail::TriangleTree> triangles; ///< of a surface that has some
     std::vector<Index> vertex;
     std::unique_ptr<PointTree<double>> vertices;

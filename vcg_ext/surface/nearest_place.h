@@ -21,7 +21,8 @@ struct SurfacePlace {
     int count = 0;
 };
 
-/// Finds the places of a surface that are nearest to points: on its triangles, or among its vertices where it has none.
+/// Finds the places of a surface that are nearest to points: on its triangles, or among its vertices where it has none,
+/// of which those at one place count as one.
 /// Any number of threads may ask.
 class NearestPlace {
   public:
