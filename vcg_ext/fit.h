@@ -118,6 +118,7 @@ struct FitReport {
     bool insideOut = false;     ///< the target's normals point to the other side than the source's; they were flipped
     bool fromAfar = false;      ///< the layers lay far apart, and the surface was moved onto the target first
     bool isSureFromAfar = true; ///< false: another rotation fits nearly as well
+    std::size_t endsLed = 0;    ///< ends of limbs that led the fit at first, as it fits better so; 0: none did
     double turnedBy = 0; ///< radians by which the surface was turned by its axes first, as it is far less strained so
     double scaledBy = 1; ///< the factor by which it was scaled then
     double strained = 0; ///< rms change of edge lengths, a fraction; 0 unless it is so large that the layers may

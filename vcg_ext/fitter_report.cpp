@@ -148,6 +148,10 @@ std::vector<std::string> FitReport::TargetRemarks() const {
                           (isScaled ? ", scaled by " + Rounded(scaledBy) : "") +
                           ", as it fits with far less strain so. Look at it; if that is wrong, give landmarks and "
                           "start from these.");
+    if (endsLed > 0)
+        remarks.push_back("The ends of " + std::to_string(endsLed) +
+                          " limbs led the fit at first: without, some came to lie on others' places. Look at it; if "
+                          "one lies wrong, give landmarks.");
     if (strained > 0)
         remarks.push_back("To lie on the target, the surface is stretched and pressed by " + Rounded(100 * strained) +
                           " percent (rms). Look at it: the two may lie turned to each other. If they do, turn one of "

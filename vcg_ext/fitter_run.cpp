@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A fit, from where it begins to where it comes to rest.
 #include <vcg_ext/base/elementary.h>
+#include <vcg_ext/fit/fit_ends.h>
 #include <vcg_ext/fit/fit_landmarks.h>
 #include <vcg_ext/fit/fit_start.h>
 #include <vcg_ext/fit/fit_target.h>
@@ -31,6 +32,12 @@ constexpr double aLimb = 0.01;
 // Strain of edges (rms) above which other starts are tried, and the share of it that one must leave. Shapes made by
 // formula had 0.36 and more where they lay turned, and 0.19 (a hand with touching fingers) where they lay right.
 constexpr double pressed = 0.25, farLess = 0.5;
+
+// Ends of limbs are looked for among so many places of each surface, which are some hundredths of the diagonal apart;
+// what is off by more than some of these lies elsewhere. They lead for half of the way: by then it is near, and what
+// lies beside them tells better.
+constexpr std::size_t endPlaces = 6000;
+constexpr double endSpacing = 0.02, endElsewhere = 0.05, endsLead = 0.5;
 
 } // namespace
 
@@ -81,6 +88,12 @@ double Fitter::Run::Step(double part, const std::vector<double> &stiffness) {
         pull[matched + l] =
             leads[l] ? LandmarkPull(tolerance, place[l], drawn.At(matched + l, graph), 10 / double(place.size()))
                      : FitSystem::Pull();
+    for (std::size_t e = 0; part < endsLead && e < ends.size(); ++e) {
+        const FitSystem::Pull led =
+            LandmarkPull(endSpacing, ends[e].place, drawn.At(ends[e].sample, graph), 10 / double(ends.size()));
+        pull[ends[e].sample].form += led.form;
+        pull[ends[e].sample].gradient += led.gradient;
+    }
     curves.Find(drawn, graph, pull);
     const auto change = system.Step(graph, pull, stiffness, threads);
     FitSystem::Take(change, graph);
@@ -113,6 +126,41 @@ void Fitter::Run::Draw(const Progress &progress) {
     Soften(progress);
 }
 
+/// The ends of limbs that the target has, too. \return whether one lies elsewhere now
+bool Fitter::Run::FindEnds() {
+    const std::size_t stride = 1 + (matched - 1) / endPlaces;
+    std::vector<Eigen::Vector3d> own, ownNormal, its, itsNormal;
+    for (std::size_t s = 0; s < matched; s += stride) {
+        own.push_back(samples.At(s, start));
+        ownNormal.push_back(samples.NormalAt(s, start));
+    }
+    for (const FitTarget::Match &match : target.Places(own.size())) {
+        its.push_back(match.point);
+        itsNormal.push_back(match.isOriented ? match.normal : Eigen::Vector3d::Zero());
+    }
+    const std::vector<LimbEnd> from = EndsOfLimbs(own, ownNormal), to = EndsOfLimbs(its, itsNormal);
+    bool isElsewhere = false;
+    for (const auto &[i, j] : MatchEnds(from, to)) {
+        ends.push_back({from[i].place * stride, to[j].at});
+        isElsewhere = isElsewhere || (samples.At(ends.back().sample, graph) - to[j].at).norm() > endElsewhere;
+    }
+    return isElsewhere;
+}
+
+/// Takes the fit that ends of limbs lead at first, if more of the surface lies on the target so, less strained.
+void Fitter::Run::TryEnds(const Progress &progress) {
+    const double strained = StrainOf(region, graph), on = OnIt();
+    if (fitter.MayBegin(report, isLed) && FindEnds()) {
+        Kept without = SetAside();
+        Draw(progress);
+        report.endsLed = ends.size();
+        if (OnIt() > on && StrainOf(region, graph) < strained)
+            return;
+        TakeBack(std::move(without));
+    }
+    ends.clear();
+}
+
 /// Takes what matching both ways gives, if it reaches more.
 void Fitter::Run::TryBothWays(const Progress &progress) {
     Kept oneWay = SetAside();
@@ -126,7 +174,10 @@ void Fitter::Run::TryBothWays(const Progress &progress) {
 
 /// All of a fit, from the start.
 void Fitter::Run::Lay(const Progress &progress) {
-    Draw(progress.Slice(0, 0.6));
+    ends.clear();
+    Draw(progress.Slice(0, 0.4));
+    if (matches->Unreached() > mostUnreached)
+        TryEnds(progress.Slice(0.4, 0.6));
     if (!param.bothWays && matches->Unreached() > mostUnreached)
         TryBothWays(progress.Slice(0.6, 0.9));
     StiffenGaps(Settle(progress), progress);
@@ -138,6 +189,7 @@ void Fitter::Run::TryOtherStarts(const Progress &progress) {
     if (!(strained > pressed) || !fitter.MayBegin(report, isLed))
         return;
     Kept asItLay = SetAside();
+    ends.clear(); // of where it lay
     double least = farLess * strained;
     Eigen::Affine3d began = Eigen::Affine3d::Identity();
     const std::vector<Eigen::Affine3d> motions =

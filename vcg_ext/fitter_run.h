@@ -42,6 +42,12 @@ class Fitter::Run {
         std::unique_ptr<FitMatches> matches;
     };
 
+    /// A sample at the end of a limb, and where it belongs.
+    struct End {
+        std::size_t sample;
+        Eigen::Vector3d place;
+    };
+
     std::vector<char> FreeNodes() const;
     double SoftEnd() const { return softest * param.stiffness; }
     std::vector<double> AllOf(double stiffness) const { return std::vector<double>(isFree.size(), stiffness); }
@@ -50,6 +56,8 @@ class Fitter::Run {
     double Step(double part, const std::vector<double> &stiffness);
     void Soften(const Progress &progress);
     void Draw(const Progress &progress);
+    bool FindEnds();
+    void TryEnds(const Progress &progress);
     void TryBothWays(const Progress &progress);
     std::vector<double> MovedFrom(const std::vector<Eigen::Vector3d> &before) const;
     bool MoreStay(const std::vector<Eigen::Vector3d> &before, double noise, std::vector<char> &stays) const;
@@ -87,6 +95,7 @@ class Fitter::Run {
     MatchParam how;
     std::unique_ptr<FitMatches> matches;
     std::vector<char> leads; // the landmarks and places of curves that it follows
+    std::vector<End> ends;   // that lead at first
     std::vector<FitSystem::Pull> pull;
     const GraphPose asItLies; // from where it may be moved as a whole
     GraphPose start;          // so

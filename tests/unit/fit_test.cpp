@@ -512,6 +512,38 @@ Shape Lumpy(int around) {
     return ball;
 }
 
+/// A ball with five fingers that are \p apart times as far from each other as when they are spread, each turned at its
+/// root.
+Shape Hand(int around, double apart) {
+    Shape hand = Ball(Vector3d::Zero(), 1, around);
+    for (Vector3d &p : hand.position) {
+        double length = 0.5;
+        for (int k = 0; k < 5; ++k) {
+            const double a = (k - 2) * 40 * detail::pi / 180;
+            length += (0.9 + 0.06 * k) * std::exp(70 * (p.dot(Vector3d(std::cos(a), std::sin(a), 0)) - 1));
+        }
+        p *= length;
+        const double out = std::clamp((length - 0.55) / 0.25, 0.0, 1.0), along = out * out * (3 - 2 * out),
+                     angle = std::atan2(p[1], p[0]), turn = std::abs(angle) < 2 ? (apart - 1) * along * angle : 0;
+        p = Eigen::AngleAxisd(turn, Vector3d::UnitZ()) * p;
+    }
+    return hand;
+}
+
+// Each finger but the middle one comes to lie nearer to where another one was: without their ends, two lie on one.
+TEST(Fit, FindsFingersThatClose) {
+    if (sanitized)
+        return; // fingers take many places
+    FitParam param;
+    param.samples = 3000;
+    const Shape from = Hand(140, 1), to = Hand(152, 0.55), belongs = Hand(140, 0.55);
+    const Fitted fitted = Fit(from, to, param);
+    EXPECT_LT(Rms(fitted, belongs), 0.06);
+    EXPECT_GE(fitted.report.endsLed, 5);
+    EXPECT_NE(Joined(fitted.report.Remarks()).find("led the fit at first"), std::string::npos);
+    EXPECT_EQ(Fit(from, Hand(152, 0.95), param).report.endsLed, 0);
+}
+
 // Where the soft surface follows the noise of a fine target, it gets stiffer: it is 0.0042 off otherwise.
 TEST(Fit, FollowsLittleOfStrongNoise) {
     if (sanitized)

@@ -4,6 +4,7 @@
 #include <vcg_ext/fit/curve_file.cpp>         // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fit/fit_contradictions.cpp> // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fit/fit_curves.cpp>         // NOLINT(bugprone-suspicious-include)
+#include <vcg_ext/fit/fit_ends.cpp>           // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fit/fit_gaps.cpp>           // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fit/fit_guess.cpp>          // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fit/fit_landmarks.cpp>      // NOLINT(bugprone-suspicious-include)

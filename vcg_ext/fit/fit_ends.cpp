@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/fit/fit_ends.h>
+#include <vcg_ext/surface/surface_reach.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace vcg::fcd {
+
+namespace {
+
+constexpr double unreached = std::numeric_limits<double>::infinity();
+// Each place is joined to so many that are nearest: more would join fingers that lie side by side. What lies on the
+// other side of something thin is none of them: its normal is turned by more than that (a cosine).
+constexpr std::size_t joinedTo = 8;
+constexpr double turned = -0.5;
+// From so many places, all over the surface, the others are told how remote they are.
+constexpr std::size_t sources = 32;
+// Nothing within this, of the diagonal, is remoter than an end: three spacings of 6000 places, so that the tips of two
+// fingers that touch are two. And an end is so many times as remote as the mean; on a ball, all are within two percent.
+constexpr double around = 0.03, standsOut = 1.05;
+// Ends that are farther apart, of the diagonal, do not belong together: more than half of an arm.
+constexpr double apartAtMost = 0.35;
+// Limbs turn by far more than they stretch, so a difference of remoteness counts twice.
+constexpr double unlike = 2;
+
+/// Places joined to those beside them. \param normal of each
+Graph Joined(const std::vector<Eigen::Vector3d> &place, const std::vector<Eigen::Vector3d> &normal) {
+    const std::size_t n = place.size(), some = std::min(joinedTo, n - 1);
+    std::vector<std::vector<Index>> list(n);
+    std::vector<std::pair<double, std::size_t>> other;
+    Graph graph;
+    graph.position.resize(3, Eigen::Index(n));
+    for (std::size_t i = 0; i < n; ++i) {
+        graph.position.col(Eigen::Index(i)) = place[i].cast<float>();
+        other.clear();
+        for (std::size_t j = 0; j < n; ++j)
+            if (j != i && normal[i].dot(normal[j]) >= turned)
+                other.emplace_back((place[i] - place[j]).squaredNorm(), j);
+        const std::size_t its = std::min(some, other.size());
+        std::partial_sort(other.begin(), other.begin() + std::ptrdiff_t(its), other.end());
+        for (std::size_t k = 0; k < its; ++k) {
+            list[i].push_back(Index(other[k].second));
+            list[other[k].second].push_back(Index(i));
+        }
+    }
+    for (std::vector<Index> &each : list) {
+        std::sort(each.begin(), each.end());
+        each.erase(std::unique(each.begin(), each.end()), each.end());
+        graph.adjacency.item.insert(graph.adjacency.item.end(), each.begin(), each.end());
+        graph.adjacency.begin.push_back(std::uint32_t(graph.adjacency.item.size()));
+    }
+    return graph;
+}
+
+/// How far all places are from one, along the surface; infinite in other parts of it.
+std::vector<double> FarFrom(Index place, const Graph &graph) {
+    std::vector<double> far, of(std::size_t(graph.Size()), unreached);
+    const std::vector<Index> found = NodesWithin(graph, {place}, unreached, &far);
+    for (std::size_t i = 0; i < found.size(); ++i)
+        of[std::size_t(found[i])] = far[i];
+    return of;
+}
+
+/// The number of the largest that is finite.
+Index Largest(const std::vector<double> &values) {
+    Index largest = 0;
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (!std::isinf(values[i]) &&
+            (std::isinf(values[std::size_t(largest)]) || values[i] > values[std::size_t(largest)]))
+            largest = Index(i);
+    return largest;
+}
+
+/// Of each row another column, so that the sum of the costs is least (Kuhn 1955, with Munkres' potentials).
+/// \param cost no more rows than columns
+std::vector<std::size_t> Assigned(const Eigen::MatrixXd &cost) {
+    const std::size_t n = std::size_t(cost.rows()), m = std::size_t(cost.cols()), none = n;
+    std::vector<std::size_t> rowOf(m + 1, none), before(m + 1), columnOf(n);
+    std::vector<double> u(n + 1, 0), v(m + 1, 0);
+    for (std::size_t row = 0; row < n; ++row) {
+        std::vector<double> least(m, unreached);
+        std::vector<char> used(m + 1, 0);
+        std::size_t at = m; // a column of no cost that the row begins in
+        rowOf[m] = row;
+        while (rowOf[at] != none) {
+            used[at] = 1;
+            std::size_t next = m;
+            double step = unreached;
+            for (std::size_t j = 0; j < m; ++j) {
+                if (used[j])
+                    continue;
+                const std::size_t i = rowOf[at];
+                if (const double to = cost(Eigen::Index(i), Eigen::Index(j)) - u[i] - v[j]; to < least[j]) {
+                    least[j] = to;
+                    before[j] = at;
+                }
+                if (least[j] < step) {
+                    step = least[j];
+                    next = j;
+                }
+            }
+            for (std::size_t j = 0; j <= m; ++j)
+                if (used[j]) {
+                    u[rowOf[j]] += step;
+                    v[j] -= step;
+                } else if (j < m) {
+                    least[j] -= step;
+                }
+            at = next;
+        }
+        for (; at != m; at = before[at])
+            rowOf[at] = rowOf[before[at]];
+        rowOf[m] = none;
+    }
+    for (std::size_t j = 0; j < m; ++j)
+        if (rowOf[j] != none)
+            columnOf[rowOf[j]] = j;
+    return columnOf;
+}
+
+} // namespace
+
+std::vector<LimbEnd> EndsOfLimbs(const std::vector<Eigen::Vector3d> &place,
+                                 const std::vector<Eigen::Vector3d> &normal) {
+    const Graph graph = Joined(place, normal);
+    // Farthest points (Gonzalez 1985), from an end of the part that the middle place is in: they are spread evenly.
+    std::vector<double> mean(place.size(), 0), least = FarFrom(Index(place.size() / 2), graph);
+    Index source = Largest(least);
+    least = FarFrom(source, graph);
+    for (std::size_t k = 0; k < sources; ++k) {
+        const std::vector<double> far = FarFrom(source, graph);
+        for (std::size_t i = 0; i < place.size(); ++i) {
+            mean[i] += far[i] / double(sources);
+            least[i] = std::min(least[i], far[i]);
+        }
+        source = Largest(least);
+    }
+    double all = 0;
+    std::size_t count = 0;
+    for (const double each : mean)
+        if (!std::isinf(each)) {
+            all += each;
+            ++count;
+        }
+    std::vector<LimbEnd> ends;
+    for (std::size_t i = 0; i < place.size(); ++i) {
+        if (std::isinf(mean[i]) || mean[i] * double(count) < standsOut * all)
+            continue;
+        const std::vector<Index> beside = NodesWithin(graph, {Index(i)}, around);
+        if (std::all_of(beside.begin(), beside.end(), [&](Index j) {
+                return std::make_pair(mean[std::size_t(j)], j) <= std::make_pair(mean[i], Index(i));
+            }))
+            ends.push_back({i, place[i], mean[i]});
+    }
+    return ends;
+}
+
+std::vector<std::pair<std::size_t, std::size_t>> MatchEnds(const std::vector<LimbEnd> &a,
+                                                           const std::vector<LimbEnd> &b) {
+    // A column of its own for each: to have none
+    Eigen::MatrixXd cost =
+        Eigen::MatrixXd::Constant(Eigen::Index(a.size()), Eigen::Index(b.size() + a.size()), apartAtMost * apartAtMost);
+    for (std::size_t i = 0; i < a.size(); ++i)
+        for (std::size_t j = 0; j < b.size(); ++j) {
+            const double off = unlike * (a[i].remote - b[j].remote);
+            cost(Eigen::Index(i), Eigen::Index(j)) = (a[i].at - b[j].at).squaredNorm() + off * off;
+        }
+    const std::vector<std::size_t> columnOf = Assigned(cost);
+    std::vector<std::pair<std::size_t, std::size_t>> pairs;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        if (columnOf[i] < b.size())
+            pairs.emplace_back(i, columnOf[i]);
+    return pairs;
+}
+
+} // namespace vcg::fcd
