@@ -3,9 +3,9 @@
 
 #include "edit_fcd/kit/tool_list.h"
 
+#include "edit_fcd/view/trace.h"
+
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <string>
 
 #include <QMenu>
@@ -35,8 +35,7 @@ PanelState::PanelState(int height) : text(new QLabel) {
 void PanelState::say(const QString &said) {
     if (said == text->text())
         return;
-    if (std::getenv("FCD_TRACE"))
-        std::fprintf(stderr, "FCD trace: says: %s\n", qPrintable(said));
+    trace("says: %s", qPrintable(said));
     text->setText(said);
 }
 

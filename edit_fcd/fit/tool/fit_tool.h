@@ -15,7 +15,6 @@
 #include <memory>
 #include <optional>
 
-#include <QElapsedTimer>
 #include <QPointF>
 #include <QPointer>
 #include <QTimer>
