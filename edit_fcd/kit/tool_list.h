@@ -45,7 +45,7 @@ class CountBox : public QSpinBox {
 
 /// Gives a widget of a panel its name and its tip. Keys stay with the view, except those typed into it.
 template <class Widget>
-Widget *named(Widget *widget, const char *name, const QString &tip) {
+Widget *named(Widget *widget, const QString &name, const QString &tip) {
     widget->setObjectName(name);
     widget->setToolTip(tip);
     if (!std::is_base_of<QAbstractSpinBox, Widget>::value && !std::is_same<QLineEdit, Widget>::value)
