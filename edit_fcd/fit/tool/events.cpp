@@ -221,7 +221,7 @@ void FitTool::act(int action) {
         if (action == FitAction::Remove)
             session->edit().pairs.erase(session->edit().pairs.begin() + selected);
         else
-            session->setPairs({});
+            session->edit().pairs.clear();
         selected = -1;
         reshape(true);
         showLayers();
@@ -266,7 +266,7 @@ void FitTool::setShape(FitShape shape) {
 /// \param file empty: none
 void FitTool::setCurves(const std::string &file) {
     session->change();
-    session->loadCurves(file);
+    session->edit().lines = file.empty() ? nullptr : loadLines(*model, session->restShape().positions().data(), file);
     if (session->state().shape == FitShape::Pulled)
         reshape(true);
     view->update();
@@ -281,7 +281,7 @@ void FitTool::chooseFiles(bool load) {
         if (files.empty() || files.size() > 2 || !isReady())
             return;
         session->change();
-        session->load(files);
+        session->edit().pairs = loadPairs(*model, session->restShape().positions().data(), files);
         selected = -1;
         if (session->state().shape == FitShape::Rest)
             session->edit().shape = FitShape::Landmarks;
@@ -292,7 +292,7 @@ void FitTool::chooseFiles(bool load) {
         const QString file = fileToSave(*view, "Save pairs", kinds, {".csv", ".pp"});
         if (file.isEmpty() || !isReady())
             return;
-        session->save(file);
+        savePairs(*model, session->restShape().positions().data(), session->state().pairs, file);
         say("Saved the pairs as " + file.toStdString() + ".");
     }
 }

@@ -20,7 +20,10 @@ void FitTool::showHint() {
 
 // --- what is seen ---
 
-bool FitTool::isTurnOfTarget() const { return session && session->waitsForTarget(); }
+/// Whether the pair that was begun last waits for its place on the target.
+bool FitTool::isTurnOfTarget() const {
+    return session && !session->state().pairs.empty() && !session->state().pairs.back().place;
+}
 
 FitMarks FitTool::marks() const {
     FitMarks marks;
@@ -204,8 +207,7 @@ void FitTool::whenPulled(const std::shared_ptr<const LayerFit> &fit, const std::
 }
 
 void FitTool::follow(bool full) {
-    if (!session->isPrepared()) {
-        const auto fit = session->beginPreparing();
+    if (const auto fit = session->beginPreparing()) {
         const auto fitter = std::make_shared<std::shared_ptr<const vcg::fcd::Fitter>>();
         begin([fit, fitter](const vcg::fcd::Progress &progress) { *fitter = fit->prepare(progress); },
               [this, fit, fitter] {
