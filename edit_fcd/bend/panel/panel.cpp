@@ -15,7 +15,6 @@
 #include <QHBoxLayout>
 #include <QKeyEvent>
 #include <QScreen>
-#include <QScrollArea>
 #include <QSettings>
 #include <QVBoxLayout>
 #include <QWindow>

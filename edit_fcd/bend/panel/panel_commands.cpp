@@ -10,10 +10,8 @@
 #include <QGridLayout>
 #include <QHBoxLayout>
 #include <QPushButton>
-#include <QScrollArea>
 #include <QSettings>
 #include <QTimer>
-#include <QVBoxLayout>
 
 // The buttons of the panel, and what they unfold.
 

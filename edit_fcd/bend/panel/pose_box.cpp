@@ -5,7 +5,6 @@
 
 #include <QGridLayout>
 #include <QHBoxLayout>
-#include <QPushButton>
 
 BendPoseBox::BendPoseBox(QWidget *parent) : QWidget(parent) {
     auto *grid = new QGridLayout(this);

@@ -6,8 +6,6 @@
 #include <layer_fcd/layer_contents.h>
 #include <layer_fcd/tagging.h>
 
-#include <algorithm>
-
 #include <QGuiApplication>
 
 using vcg::fcd::Error;

@@ -4,7 +4,6 @@
 #include "edit_fcd/bend/model/named_poses.h"
 #include "edit_fcd/view/trace.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace {

@@ -7,7 +7,6 @@
 #include "edit_fcd/bend/tool/mark_interaction.h"
 #include "edit_fcd/view/trace.h"
 
-#include <algorithm>
 #include <cmath>
 #include <tuple>
 
