@@ -250,7 +250,20 @@ void BendPanel::setPose(int percent) {
     poseLabel->setText(QString("%1 %").arg(percent));
 }
 
-void BendPanel::setShape(const BendOptions &options) {
+BendOptions BendPanel::options(const BendOptions &before) const {
+    BendOptions options = before;
+    options.smoothness = smoothnessValue->value();
+    options.falloff = vcg::fcd::Falloff(falloffChoice->currentIndex());
+    options.elastic = elastic->isChecked();
+    options.rigidity = rigidityValue->value();
+    options.initialPatches = patchCount->value();
+    options.weights = vcg::fcd::MappingWeights(weightsChoice->currentIndex());
+    options.mirror = mirrorAxis->currentIndex() - 1; // -1: none
+    options.axes = BendAxes(axesChoice->currentIndex());
+    return options;
+}
+
+void BendPanel::showOptions(const BendOptions &options) {
     const QSignalBlocker blocked(this);
     smoothnessValue->setValue(options.smoothness);
     falloffChoice->setCurrentIndex(int(options.falloff));
@@ -261,6 +274,7 @@ void BendPanel::setShape(const BendOptions &options) {
     mirrorAxis->setCurrentIndex(options.mirror + 1);
     axesChoice->setCurrentIndex(int(options.axes));
     setPose(int(options.pose));
+    setStretch(options.stretch);
 }
 
 void BendPanel::setStretch(bool shown) {

@@ -31,18 +31,6 @@ class BendPanel : public QDockWidget {
   public:
     enum Mode { Drag, Pull, Brush, Rectangle, Polyline, Line };
     enum Role { Fixed, Free, Handle, Outside };
-    enum Command {
-        MarkSelection,
-        ClearMarks,
-        TakeMotions,
-        Undo,
-        Redo,
-        Reset,
-        ApplyInPlace,
-        ApplyToNewLayer,
-        SaveSession,
-        LoadSession
-    };
 
     explicit BendPanel(QWidget *parent);
 
@@ -57,19 +45,13 @@ class BendPanel : public QDockWidget {
     double radius() const { return radiusPercent->value() / 100; } ///< of a point handle, of the diagonal
     int brush() const { return brushPixels->value(); }             ///< radius
     void setBrush(int pixels) { brushPixels->setValue(pixels); }
-    void keepSizes() const; ///< for the next panel, also of another day
-    double smoothness() const { return smoothnessValue->value(); }
-    vcg::fcd::Falloff falloff() const { return vcg::fcd::Falloff(falloffChoice->currentIndex()); }
-    bool isElastic() const { return elastic->isChecked(); }
-    double rigidity() const { return rigidityValue->value(); }
-    int patches() const { return patchCount->value(); }
-    vcg::fcd::MappingWeights weights() const { return vcg::fcd::MappingWeights(weightsChoice->currentIndex()); }
-    int mirror() const { return mirrorAxis->currentIndex() - 1; } ///< -1: none
-    int axes() const { return axesChoice->currentIndex(); }       ///< as BendAxes
-    int pose() const { return poseSlider->value(); }              ///< percent
+    void keepSizes() const;                          ///< for the next panel, also of another day
+    int pose() const { return poseSlider->value(); } ///< percent
     void setPose(int percent);
-    /// Shows what shapes a deformation, without telling that it changed. \param mirror -1: none
-    void setShape(const BendOptions &options);
+    /// What is asked for, but for the pose, and whether stretch is shown, which are as in \p before.
+    BendOptions options(const BendOptions &before) const;
+    /// Shows them all, without telling that they changed.
+    void showOptions(const BendOptions &options);
     bool showsStretch() const { return stretch->isChecked(); }
     void setStretch(bool shown);
     /// Whether there is a surface whose stretch can be shown.
@@ -94,9 +76,9 @@ class BendPanel : public QDockWidget {
     void optionsChanged(); ///< mode, pose, what shapes the surface, mirror, axes, stretch, onion skin
     void poseBegins();     ///< before the pose changes, once for each way of the slider
     void modeChosen();
-    void left();        ///< by Esc, in one of its fields
-    void roleChanged(); ///< what is marked, by a person
-    void command(int which);
+    void left();             ///< by Esc, in one of its fields
+    void roleChanged();      ///< what is marked, by a person
+    void command(int which); ///< a BendAction
 
   protected:
     bool event(QEvent *event) override;

@@ -24,25 +24,24 @@ const char *const onionSetting = "fcd/bend/onion_skin";
 void BendPanel::addCommands(QBoxLayout &column) {
     auto *grid = new QGridLayout;
     grid->setSpacing(3);
-    const auto add = [&](const char *text, const QString &tip, Command which, int row, int place, int width) {
-        auto *button = named(new QPushButton(text), "", tip);
+    const auto add = [&](const char *text, const QString &tip, BendAction::Id which, int row, int place, int width) {
+        auto *button = named(new QPushButton(text), "", bendActions().withKeys(tip, which));
         connect(button, &QPushButton::clicked, this, [this, which] { emit command(which); });
         grid->addWidget(button, row, place, 1, width);
     };
-    add("Mark selection", "Marks the selected vertices and faces", MarkSelection, 0, 0, 6);
-    add("Clear marks", "All is free, and nothing is a handle", ClearMarks, 0, 6, 6);
-    add("Undo", bendActions().withKeys("Undo, also over applies", BendAction::Undo), Undo, 1, 0, 3);
-    add("Redo", bendActions().withKeys("Redo", BendAction::Redo), Redo, 1, 3, 3);
-    add("Reset", bendActions().withKeys("Takes all motions back", BendAction::Reset), Reset, 1, 6, 3);
-    add("Apply in place",
-        bendActions().withKeys("The layer keeps the shape, and the next pose begins from it", BendAction::ApplyInPlace),
-        ApplyInPlace, 2, 0, 6);
-    add("Apply to new layer",
-        bendActions().withKeys("A new layer gets the shape, and this one is as it was", BendAction::ApplyToNewLayer),
-        ApplyToNewLayer, 2, 6, 6);
-    grid->addWidget(sessionButton("marks, handles, motions, poses, key frames, the line, the rest shape",
-                                  [this](bool load) { emit command(load ? LoadSession : SaveSession); }),
-                    1, 9, 1, 3);
+    add("Mark selection", "Marks the selected vertices and faces", BendAction::MarkSelection, 0, 0, 6);
+    add("Clear marks", "All is free, and nothing is a handle", BendAction::ClearMarks, 0, 6, 6);
+    add("Undo", "Undo, also over applies", BendAction::Undo, 1, 0, 3);
+    add("Redo", "Redo", BendAction::Redo, 1, 3, 3);
+    add("Reset", "Takes all motions back", BendAction::Reset, 1, 6, 3);
+    add("Apply in place", "The layer keeps the shape, and the next pose begins from it", BendAction::ApplyInPlace, 2, 0,
+        6);
+    add("Apply to new layer", "A new layer gets the shape, and this one is as it was", BendAction::ApplyToNewLayer, 2,
+        6, 6);
+    grid->addWidget(
+        sessionButton("marks, handles, motions, poses, key frames, the line, the rest shape",
+                      [this](bool load) { emit command(load ? BendAction::LoadSession : BendAction::SaveSession); }),
+        1, 9, 1, 3);
     column.addLayout(grid);
 }
 
@@ -138,7 +137,7 @@ void BendPanel::addMore(QBoxLayout &column) {
                            "then press 'Apply text'");
     form->addRow(motionText);
     auto *take = named(new QPushButton("Apply text"), "take", "Moves the handles as the text says");
-    connect(take, &QPushButton::clicked, this, [this] { emit command(TakeMotions); });
+    connect(take, &QPushButton::clicked, this, [this] { emit command(BendAction::TakeMotions); });
     graphs = named(new QCheckBox("with graph layers"), "graphs",
                    "'Apply to new layer' also adds the deformation graph at rest and deformed");
     form->addRow(graphs, take);

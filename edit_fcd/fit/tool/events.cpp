@@ -67,10 +67,8 @@ void FitTool::release(QMouseEvent *event) {
         dragged.reset();
         isStepWanted = false;
         display->rest();
-        if (isWhole && session->state().shape == FitShape::Rest)
-            session->edit().shape = FitShape::Landmarks;
         if (isWhole)
-            reshape(true);
+            showPairs();
     }
     refresh();
 }
@@ -104,12 +102,16 @@ void FitTool::click() {
     if (!place(isTarget))
         return;
     selected = int(session->state().pairs.size()) - 1;
-    if (isTarget) {
-        if (session->state().shape == FitShape::Rest)
-            session->edit().shape = FitShape::Landmarks;
-        reshape(true);
-    }
+    if (isTarget)
+        showPairs();
     showLayers();
+}
+
+/// The layer is as the pairs that there are now take it, or pulled.
+void FitTool::showPairs() {
+    if (session->state().shape == FitShape::Rest)
+        session->edit().shape = FitShape::Landmarks;
+    reshape(true);
 }
 
 /// A step of a drag. Where it cannot go, that is told once the drag ends.
@@ -283,9 +285,7 @@ void FitTool::chooseFiles(bool load) {
         session->change();
         session->edit().pairs = loadPairs(*model, session->restShape().positions().data(), files);
         selected = -1;
-        if (session->state().shape == FitShape::Rest)
-            session->edit().shape = FitShape::Landmarks;
-        reshape(true);
+        showPairs();
         showLayers();
     } else {
         expectSavable(session->state().pairs);
