@@ -25,37 +25,25 @@ const char *const brushSetting = "fcd/bend/brush", *const radiusSetting = "fcd/b
 
 } // namespace
 
-BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
-    setObjectName("fcdBendPanel");
-    setFeatures(QDockWidget::DockWidgetMovable | QDockWidget::DockWidgetFloatable);
-    auto *head = new QWidget, *content = new QWidget;
-    auto *top = new QVBoxLayout(head), *column = new QVBoxLayout(content);
-    for (QVBoxLayout *each : {top, column}) {
-        each->setContentsMargins(6, 2, 6, 2);
-        each->setSpacing(3);
-    }
-    addModes(*top);
+BendPanel::BendPanel(QWidget *parent) : ToolPanel("FCD: Bend", "fcdBendPanel", 2, 3, parent) {
+    addModes(*head);
     marking = new QWidget;
     addMarking(*marking);
-    column->addWidget(marking);
+    content->addWidget(marking);
     lineBox = new BendLineBox;
-    column->addWidget(lineBox);
+    content->addWidget(lineBox);
     list = new BendHandleList;
-    column->addWidget(list);
+    content->addWidget(list);
     poseBox = new BendPoseBox;
     moreOptions = new QWidget;
-    addCommands(*column);
-    column->addWidget(poseBox);
-    addMore(*column);
-    column->addStretch();
-    addFolds(*top);
-    state = new PanelState(62); // four lines
-    top->addWidget(state);
-    scroll = setScrolled(*this, *head, *content); // the width is that of all
+    addCommands(*content);
+    content->addWidget(poseBox);
+    addMore(*content);
+    addFolds(*head);
+    finish(62); // four lines; the width is that of all
     lineBox->hide();
     showParts();
     connectOptions();
-    tracePlaces(*this);
 }
 
 void BendPanel::addModes(QBoxLayout &column) {
@@ -216,7 +204,7 @@ void BendPanel::showKeys() {
 bool BendPanel::event(QEvent *event) {
     const bool isKey = event->type() == QEvent::ShortcutOverride || event->type() == QEvent::KeyPress;
     if (!isKey || static_cast<QKeyEvent *>(event)->key() != Qt::Key_Escape)
-        return QDockWidget::event(event);
+        return ToolPanel::event(event);
     event->accept();
     if (event->type() == QEvent::KeyPress)
         emit left();

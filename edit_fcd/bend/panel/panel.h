@@ -12,20 +12,16 @@
 #include <QButtonGroup>
 #include <QCheckBox>
 #include <QComboBox>
-#include <QDockWidget>
 #include <QDoubleSpinBox>
 #include <QLabel>
 #include <QPlainTextEdit>
 #include <QPointer>
-#include <QScrollArea>
 #include <QSlider>
 #include <QSpinBox>
 #include <QToolButton>
 
-class QBoxLayout;
-
 /// The panel of the tool: shows and sets, and decides nothing.
-class BendPanel : public QDockWidget {
+class BendPanel : public ToolPanel {
     Q_OBJECT
 
   public:
@@ -65,7 +61,6 @@ class BendPanel : public QDockWidget {
     /// Shows the handles' motions, unless they are being typed.
     void showMotions(const QString &text);
     void showHandles(const std::vector<BendHandleRow> &rows) { list->show(rows); }
-    void showState(const QString &text) { state->say(text); }
     void showFigures(const QString &text) { figures->setText(text); } ///< of what is solved
     void showKeys();
     BendHandleList &handles() { return *list; }
@@ -100,13 +95,11 @@ class BendPanel : public QDockWidget {
     QCheckBox *through, *elastic, *stretch, *graphs, *onion;
     QSlider *poseSlider;
     QPlainTextEdit *motionText;
-    PanelState *state;
     QLabel *poseLabel, *figures;
     BendHandleList *list;
     BendPoseBox *poseBox;
     BendLineBox *lineBox;
     QWidget *marking, *moreOptions;
-    QScrollArea *scroll;
     std::vector<std::pair<QToolButton *, QWidget *>> folds; ///< and what they show
     QPointer<QScrollArea> page;                             ///< of keys
 };
