@@ -4,8 +4,6 @@
 #include "edit_fcd/bend/tool/bend_tool.h"
 #include "edit_fcd/fit/tool/fit_tool.h"
 
-#include <cmath>
-
 #include <QPainter>
 #include <QPixmap>
 

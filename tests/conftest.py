@@ -56,11 +56,16 @@ def shared():
 def is_busy(processes):
     """Whether a thread of these runs, or waits for a core or a disk. Of numbers of processes."""
     for process in processes:
-        for thread in Path(f"/proc/{process}/task").glob("*/stat"):
+        try:
+            threads = os.listdir(f"/proc/{process}/task")
+        except FileNotFoundError: # it ended
+            continue
+        for thread in threads:
             try:
-                if thread.read_text().rpartition(")")[2].split()[0] in "RD":
-                    return True
-            except (FileNotFoundError, ProcessLookupError): # it ended
+                with open(f"/proc/{process}/task/{thread}/stat", "rb", buffering=0) as file:
+                    if file.read(200).rpartition(b")")[2][1:2] in (b"R", b"D"):
+                        return True
+            except (FileNotFoundError, ProcessLookupError):
                 pass
     return False
 

@@ -4,12 +4,14 @@ manager), against the filters in meshlabserver 2020.09, which FCD_MESHLABSERVER 
 of the program that FCD_MESHLAB names, with the plugins; FCD_MESHLAB_VERSION is then 2022.02 or 2025.07 (2020.09).
 
 FCD_EDIT_SHOTS names a folder for screenshots; FCD_MONKEY_SECONDS is how long the monkey plays (20)."""
+import atexit
 import os
 import random
 import re
 import shutil
 import signal
 import subprocess
+import tempfile
 import time
 from pathlib import Path
 
@@ -20,6 +22,7 @@ from PIL import ImageGrab
 
 import host_window
 from conftest import record, settle
+from mouse import Mouse
 from host_meshlabserver import SERVER, Run, deform_filter, pose_filter
 
 MESHLAB = Path(os.environ.get("FCD_MESHLAB", Path(SERVER).with_name("meshlab")))
@@ -95,34 +98,64 @@ def colors_of(path):
     return np.round(255 * ms.current_mesh().vertex_color_matrix()[:, :3])
 
 
+class Screen:
+    """A display with a window manager, which serves one window of MeshLab after another. Of each, only these know."""
+    free = []
+
+    @classmethod
+    def taken(cls):
+        screen = cls.free.pop() if cls.free else cls()
+        screen.mouse.do("mousemove", 683, 384) # the middle, whatever was before
+        return screen
+
+    def __init__(self):
+        self.home = tempfile.TemporaryDirectory()
+        read, write = os.pipe()
+        self.server = self.start(["Xvfb", "-displayfd", str(write), "-screen", "0", "1366x768x24"], pass_fds=[write])
+        os.close(write)
+        with os.fdopen(read) as pipe:
+            self.display = ":" + pipe.readline().strip()
+        self.manager = self.start(["openbox"], DISPLAY=self.display, HOME=self.home.name)
+        settle([self.server.pid, self.manager.pid])
+        self.mouse = Mouse(self.display)
+        atexit.register(self.close)
+
+    def start(self, command, pass_fds=(), **environment):
+        return subprocess.Popen(command, env={**os.environ, **environment}, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                                stdin=subprocess.DEVNULL, cwd=self.home.name, pass_fds=pass_fds)
+
+    def give_back(self):
+        """Once its window is gone; what a test that failed has pressed is released."""
+        self.mouse.do(*[word for button in (1, 2, 3) for word in ("mouseup", button)], *[word for key in ("shift", "ctrl", "alt") for word in ("keyup", key)])
+        self.free.append(self)
+
+    def close(self):
+        self.mouse.close()
+        for process in (self.manager, self.server):
+            process.kill()
+            process.wait()
+        self.home.cleanup()
+
+
 class Window:
     """MeshLab with meshes, of which the last one is the current layer, on a display of its own."""
 
     def __init__(self, folder, *meshes):
         self.folder, self.log, self.shots = folder, folder / "log.txt", 0
-        self.processes = []
         self.pressed = None, 0.0 # where, and when
-        read, write = os.pipe()
-        self.start(["Xvfb", "-displayfd", str(write), "-screen", "0", "1366x768x24"], {}, pass_fds=[write])
-        os.close(write)
-        with os.fdopen(read) as pipe:
-            display = pipe.readline().strip()
+        self.is_here = all(mesh.parent == folder for mesh in meshes) # so that the dialog that saves a layer begins in the folder
+        self.screen = Screen.taken()
+        self.manager = self.screen.manager
         runtime = folder / "runtime"
         runtime.mkdir(mode=0o700)
-        self.environment = {"DISPLAY": ":" + display, "HOME": str(folder), "XDG_RUNTIME_DIR": str(runtime), "FCD_TRACE": "1", "LC_ALL": "C.UTF-8"}
-        self.manager = self.start(["openbox"], self.environment)
-        self.settle()
-        self.meshlab = self.start([str(MESHLAB), *map(str, meshes)], self.environment)
+        self.environment = {"DISPLAY": self.screen.display, "HOME": str(folder), "XDG_RUNTIME_DIR": str(runtime), "FCD_TRACE": "1", "LC_ALL": "C.UTF-8"}
+        with open(self.log, "wb") as log:
+            self.meshlab = subprocess.Popen([str(MESHLAB), *map(str, meshes)], env={**os.environ, **self.environment}, stdout=log, stderr=log,
+                                            stdin=subprocess.DEVNULL, cwd=folder)
+        self.processes = [self.screen.server.pid, self.manager.pid, self.meshlab.pid]
         self.wait("All files opened", len(meshes))
         self.wait_for_title("MeshLab")
         self.settle()
-
-    def start(self, command, environment, **options):
-        with open(self.log, "ab") as log:
-            process = subprocess.Popen(command, env={**os.environ, **environment}, stdout=log, stderr=log, stdin=subprocess.DEVNULL,
-                                       cwd=self.folder, **options)
-        self.processes.append(process)
-        return process
 
     def text(self):
         return self.log.read_text(errors="replace")
@@ -139,10 +172,10 @@ class Window:
             time.sleep(0.05)
 
     def settle(self):
-        settle([process.pid for process in self.processes])
+        settle(self.processes)
 
     def do(self, *arguments, settle=True):
-        subprocess.run(["xdotool", *map(str, arguments)], env={**os.environ, **self.environment}, check=True, timeout=60)
+        self.screen.mouse.do(*arguments)
         if settle:
             self.settle()
 
@@ -157,8 +190,7 @@ class Window:
         self.settle()
 
     def title(self):
-        return subprocess.run(["xdotool", "getactivewindow", "getwindowname"], env={**os.environ, **self.environment}, capture_output=True,
-                              text=True, timeout=60).stdout.strip()
+        return self.screen.mouse.title()
 
     def wait_for_title(self, *beginnings, other_than=None):
         """Waits for the window that has the keyboard. Returns its title."""
@@ -174,7 +206,7 @@ class Window:
         for key in keys:
             self.do("key", key)
 
-    def press_and_move(self, start, end, button=1, steps=12):
+    def press_and_move(self, start, end, button=1, steps=8):
         if self.pressed[0] == tuple(start): # two presses at one place within half a second are a double click
             time.sleep(max(0, self.pressed[1] + 0.6 - time.time()))
         self.pressed = tuple(start), time.time()
@@ -183,8 +215,8 @@ class Window:
         way = [[round(a + (b - a) * i / steps) for a, b in zip(start, end)] for i in range(1, steps + 1)]
         self.do(*[word for place in way for word in ("mousemove", *place, "sleep", 0.04)])
 
-    def drag(self, start, end, button=1):
-        self.press_and_move(start, end, button)
+    def drag(self, start, end, button=1, steps=8):
+        self.press_and_move(start, end, button, steps)
         self.do("mouseup", button)
 
     def click(self, *places, count=1):
@@ -220,7 +252,7 @@ class Window:
         else:
             self.key("ctrl+shift+e")
         asked = self.wait_for_title("Save")
-        self.do("type", "--delay", "5", str(path))
+        self.do("type", "--delay", "5", name if self.is_here else str(path))
         self.key("Return")
         self.wait_for_title("", other_than=asked) # what the file is to have
         self.key("Return")
@@ -276,9 +308,9 @@ class Window:
 
     def close(self):
         record(self.text())
-        for process in reversed(self.processes):
-            process.kill()
-            process.wait()
+        self.meshlab.kill()
+        self.meshlab.wait()
+        self.screen.give_back()
 
 
 class Filters(host_window.Window):
@@ -314,9 +346,9 @@ def mark_two_regions(w, far=280):
     """The left end of the tube fixed, the right end the handle, through the tube. A drag may end beside the view."""
     x, y = MIDDLE
     w.key("v", "t", "f")
-    w.drag((x - 110, y + 200), (x - far, y - 200))
+    w.drag((x - 110, y + 200), (x - far, y - 200), steps=3)
     w.key("h")
-    w.drag((x + 110, y - 200), (x + far, y + 200))
+    w.drag((x + 110, y - 200), (x + far, y + 200), steps=3)
     w.shot("marked")
     w.do("mousemove", x, y - 250)
     w.key("m")

@@ -506,7 +506,7 @@ def test_the_page_of_keys_fits_a_small_screen(window, tmp_path):
 
 def test_a_large_layer_is_prepared_beside_the_window(window, tmp_path):
     """A pull that is over before the layer is prepared is made then."""
-    points, faces = tube_of(np.linspace(-1, 1, 900), 280, 0.25)
+    points, faces = tube_of(np.linspace(-1, 1, 900), 224, 0.25)
     w = window(write_ply(tmp_path / "large.ply", points, faces))
     before = w.save("before.ply").read_bytes()
     w.start_tool()
@@ -554,7 +554,7 @@ class Asleep:
 @the_dialogs_are_those_of_2020
 def test_a_large_layer_that_is_prepared_is_what_it_shows(window, tmp_path):
     """While the threads that prepare it sleep, a file gets the shape that is seen. And MeshLab may end meanwhile."""
-    points, faces = tube_of(np.linspace(-1, 1, 900), 600, 0.25)
+    points, faces = tube_of(np.linspace(-1, 1, 900), 280, 0.25)
     w = window(write_ply(tmp_path / "large.ply", points, faces))
     w.start_tool()
     full = w.text().count("trace: full")
@@ -567,7 +567,7 @@ def test_a_large_layer_that_is_prepared_is_what_it_shows(window, tmp_path):
         asleep, answers = Asleep(w.meshlab.pid), w.text().count("trace: answer")
         w.do("mousemove", X - 120 + i, Y, "mousedown", 1, "mousemove", X - 130, Y + 60, "mouseup", 1, settle=False)
         w.wait("trace: answer", answers + 1)
-        time.sleep(0.2 * i)
+        time.sleep(0.1 * i)
         with asleep as threads:
             if threads and "trace: press" not in w.text().rpartition("trace: answer")[2]:
                 slept += 1
@@ -579,9 +579,15 @@ def test_a_large_layer_that_is_prepared_is_what_it_shows(window, tmp_path):
         w.key("ctrl+z")
         assert np.array_equal(load(w.save(f"undone_{i}.ply"))[0], posed)
     assert slept
+    asleep, answers = Asleep(w.meshlab.pid), w.text().count("trace: answer")
     w.do("mousemove", X - 110, Y, "mousedown", 1, "mousemove", X - 130, Y + 60, "mouseup", 1, settle=False)
-    w.do("mousemove", 36, 29, "click", 1, "sleep", 0.3, "mousemove", 62, 413, "click", 1, settle=False) # File, Exit
-    for _ in range(3): # it asks whether that is meant
+    w.wait("trace: answer", answers + 1)
+    with asleep as threads:
+        assert threads
+        w.do("mousemove", 36, 29, "click", 1, "sleep", 1, "mousemove", 62, 413, "click", 1, "sleep", 1, settle=False) # File, Exit
+        w.do("key", "alt+y", settle=False) # it asks whether that is meant
+        time.sleep(0.5)
+    for _ in range(3): # a busy machine asks later
         time.sleep(1)
         if w.meshlab.poll() is None:
             w.do("key", "alt+y", settle=False)
@@ -591,7 +597,7 @@ def test_a_large_layer_that_is_prepared_is_what_it_shows(window, tmp_path):
 @the_dialogs_are_those_of_2020
 def test_what_a_filter_makes_of_a_layer_that_is_prepared_stays(window, tmp_path):
     """One whose dialog was open before the tool."""
-    points, faces = tube_of(np.linspace(-1, 1, 900), 280, 0.25)
+    points, faces = tube_of(np.linspace(-1, 1, 900), 224, 0.25)
     w = window(write_ply(tmp_path / "large.ply", points, faces))
     filters = Filters(w)
     dialog = filters.dialog("Taubin Smooth")
@@ -675,7 +681,7 @@ def test_what_is_typed_is_a_number_or_refused(window, tmp_path):
 
 def test_of_a_large_layer_only_what_moves_is_drawn(window, tmp_path):
     """While it is dragged; what stays looks as it did, what moves as afterwards, and at the end MeshLab draws all of it again."""
-    points, faces = tube_of(np.linspace(-1, 1, 900), 280, 0.4)
+    points, faces = tube_of(np.linspace(-1, 1, 640), 160, 0.4)
     colors = np.uint8(128 + 100 * np.sin(12 * points))
     w = window(write_ply(tmp_path / "large.ply", points, faces, colors=colors))
     w.start_tool()
@@ -727,7 +733,7 @@ def test_of_a_large_layer_only_what_moves_is_drawn(window, tmp_path):
 
 def test_esc_stops_what_was_begun_before_it(window, tmp_path):
     """However late Esc is for the preparing of a large layer, and also where the window gets the press only after it."""
-    points, faces = tube_of(np.linspace(-1, 1, 900), 280, 0.25)
+    points, faces = tube_of(np.linspace(-1, 1, 900), 224, 0.25)
     w = window(write_ply(tmp_path / "large.ply", points, faces))
     before = w.save("before.ply").read_bytes()
     w.start_tool()
@@ -1527,7 +1533,7 @@ def test_the_log_has_the_calls_that_make_blends(window, tmp_path):
 
 def test_a_large_layer_is_prepared_for_an_animation_beside_the_window(window, tmp_path):
     """Which Esc stops; the layer then has the shape of before."""
-    points, faces = tube_of(np.linspace(-1, 1, 900), 280, 0.4)
+    points, faces = tube_of(np.linspace(-1, 1, 900), 224, 0.4)
     w = window(write_ply(tmp_path / "large.ply", points, faces))
     w.start_tool()
     w.unfold("poses_fold", "keep")

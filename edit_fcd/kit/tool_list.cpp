@@ -3,14 +3,14 @@
 
 #include "edit_fcd/kit/tool_list.h"
 
+#include "edit_fcd/kit/tool_window.h"
+#include "edit_fcd/view/trace.h"
+
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <string>
 
 #include <QMenu>
 #include <QStyle>
-#include <QVBoxLayout>
 
 std::optional<double> typedNumber(const QString &text) {
     const std::string word = text.trimmed().replace(',', '.').toStdString();
@@ -20,23 +20,55 @@ std::optional<double> typedNumber(const QString &text) {
     return number;
 }
 
-PanelState::PanelState(int height) : text(new QLabel) {
-    setObjectName("state");
-    text->setWordWrap(true);
-    text->setAlignment(Qt::AlignTop | Qt::AlignLeft);
-    setWidget(text);
-    setWidgetResizable(true);
-    setFrameShape(QFrame::NoFrame);
-    setFocusPolicy(Qt::NoFocus);
-    setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-    setFixedHeight(height);
+namespace {
+
+/// An area that scrolls up and down alone.
+QScrollArea *scrolled(QWidget *content) {
+    auto *area = named(new QScrollArea, "", "");
+    area->setWidget(content);
+    area->setWidgetResizable(true);
+    area->setFrameShape(QFrame::NoFrame);
+    area->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    return area;
 }
 
-void PanelState::say(const QString &said) {
+} // namespace
+
+ToolPanel::ToolPanel(const QString &title, const char *name, int margin, int spacing, QWidget *parent)
+    : QDockWidget(title, parent), head(new QVBoxLayout(new QWidget)), content(new QVBoxLayout(new QWidget)),
+      scroll(scrolled(content->parentWidget())), text(new QLabel) {
+    setObjectName(name);
+    setFeatures(QDockWidget::DockWidgetMovable | QDockWidget::DockWidgetFloatable);
+    for (QVBoxLayout *each : {head, content}) {
+        each->setContentsMargins(6, margin, 6, margin);
+        each->setSpacing(spacing);
+    }
+    auto *all = new QWidget;
+    auto *column = new QVBoxLayout(all);
+    column->setContentsMargins(0, 0, 0, 0);
+    column->setSpacing(0);
+    column->addWidget(head->parentWidget());
+    column->addWidget(scroll, 1);
+    setWidget(all);
+    text->setWordWrap(true);
+    text->setAlignment(Qt::AlignTop | Qt::AlignLeft);
+}
+
+void ToolPanel::finish(int height) {
+    QScrollArea *state = scrolled(text);
+    state->setObjectName("state");
+    state->setFixedHeight(height);
+    head->addWidget(state);
+    content->addStretch();
+    scroll->setMinimumWidth(content->parentWidget()->minimumSizeHint().width() +
+                            scroll->style()->pixelMetric(QStyle::PM_ScrollBarExtent));
+    tracePlaces(*this);
+}
+
+void ToolPanel::showState(const QString &said) {
     if (said == text->text())
         return;
-    if (std::getenv("FCD_TRACE"))
-        std::fprintf(stderr, "FCD trace: says: %s\n", qPrintable(said));
+    trace("says: %s", qPrintable(said));
     text->setText(said);
 }
 
@@ -57,23 +89,4 @@ QPushButton *sessionButton(const QString &what, const std::function<void(bool lo
     QObject::connect(files->addAction("&Load session ..."), &QAction::triggered, [chosen] { chosen(true); });
     button->setMenu(files);
     return button;
-}
-
-QScrollArea *setScrolled(QDockWidget &panel, QWidget &head, QWidget &content) {
-    auto *scroll = new QScrollArea;
-    scroll->setWidget(&content);
-    scroll->setWidgetResizable(true);
-    scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-    scroll->setMinimumWidth(content.minimumSizeHint().width() +
-                            scroll->style()->pixelMetric(QStyle::PM_ScrollBarExtent));
-    scroll->setFocusPolicy(Qt::NoFocus);
-    scroll->setFrameShape(QFrame::NoFrame);
-    auto *all = new QWidget;
-    auto *column = new QVBoxLayout(all);
-    column->setContentsMargins(0, 0, 0, 0);
-    column->setSpacing(0);
-    column->addWidget(&head);
-    column->addWidget(scroll, 1);
-    panel.setWidget(all);
-    return scroll;
 }

@@ -17,6 +17,7 @@
 #include <QSlider>
 #include <QSpinBox>
 #include <QString>
+#include <QVBoxLayout>
 
 /// \file
 /// What the panels of the tools have in common.
@@ -45,7 +46,7 @@ class CountBox : public QSpinBox {
 
 /// Gives a widget of a panel its name and its tip. Keys stay with the view, except those typed into it.
 template <class Widget>
-Widget *named(Widget *widget, const char *name, const QString &tip) {
+Widget *named(Widget *widget, const QString &name, const QString &tip) {
     widget->setObjectName(name);
     widget->setToolTip(tip);
     if (!std::is_base_of<QAbstractSpinBox, Widget>::value && !std::is_same<QLineEdit, Widget>::value)
@@ -53,13 +54,22 @@ Widget *named(Widget *widget, const char *name, const QString &tip) {
     return widget;
 }
 
-/// What a panel says of its tool's state. It has a height of its own, so that nothing moves under the mouse while the
-/// text changes; a longer text is scrolled.
-class PanelState : public QScrollArea {
+/// The panel of a tool: a head that stays, which ends with what is said of the tool's state, and below it a content
+/// that is scrolled up and down alone.
+class ToolPanel : public QDockWidget {
   public:
-    /// \param height pixels
-    explicit PanelState(int height);
-    void say(const QString &said);
+    /// \param margin above and below, \param spacing between things: pixels
+    ToolPanel(const QString &title, const char *name, int margin, int spacing, QWidget *parent);
+    /// What is said has a height of its own, so that nothing moves under the mouse while the text changes; a longer
+    /// text is scrolled.
+    void showState(const QString &said);
+
+  protected:
+    /// Once head and content are there. \param height of what is said of the state, pixels
+    void finish(int height);
+
+    QVBoxLayout *head, *content;
+    QScrollArea *scroll; ///< of the content
 
   private:
     QLabel *text;
@@ -70,8 +80,5 @@ void connectSlider(QSlider &slider, const std::function<void()> &begins, const s
 
 /// A button with a menu: what is known of a layer is saved to a file, or loaded. \param what that is, for the tip
 QPushButton *sessionButton(const QString &what, const std::function<void(bool load)> &chosen);
-
-/// Puts what a panel shows into an area that scrolls up and down alone. \param head stays above it
-QScrollArea *setScrolled(QDockWidget &panel, QWidget &head, QWidget &content);
 
 #endif

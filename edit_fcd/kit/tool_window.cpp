@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/kit/tool_window.h"
 
+#include "edit_fcd/view/trace.h"
+
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 
 #include <QCoreApplication>
 #include <QFileDialog>
@@ -81,13 +81,14 @@ QString fileToSave(GLArea &view, const QString &title, const QString &kinds, con
 }
 
 void tracePlaces(QWidget &panel) {
-    if (std::getenv("FCD_TRACE"))
-        QTimer::singleShot(200, &panel, [&panel] {
-            for (const QWidget *each : panel.findChildren<QWidget *>())
-                if (!each->objectName().isEmpty() && !each->objectName().startsWith("qt_") && each->isVisible()) {
-                    const QPoint place = each->mapToGlobal(QPoint(0, 0));
-                    std::fprintf(stderr, "FCD trace: place: %s %d %d %d %d\n", qPrintable(each->objectName()),
-                                 place.x(), place.y(), each->width(), each->height());
-                }
-        });
+    if (!qEnvironmentVariableIsSet("FCD_TRACE"))
+        return;
+    QTimer::singleShot(200, &panel, [&panel] {
+        for (const QWidget *each : panel.findChildren<QWidget *>())
+            if (!each->objectName().isEmpty() && !each->objectName().startsWith("qt_") && each->isVisible()) {
+                const QPoint place = each->mapToGlobal(QPoint(0, 0));
+                trace("place: %s %d %d %d %d", qPrintable(each->objectName()), place.x(), place.y(), each->width(),
+                      each->height());
+            }
+    });
 }

@@ -36,6 +36,17 @@ class SeenPart {
     const double hair;
 };
 
+/// Those of so many vertex slots that \p isSeen says yes to, ascending.
+template <class IsSeen>
+std::vector<std::size_t> slotsThat(std::size_t count, const IsSeen &isSeen) {
+    using vcg::fcd::Index;
+    return vcg::fcd::CollectInOrder<std::size_t>(vcg::fcd::Progress(), "Marking", Index(count),
+                                                 [&](Index i, std::vector<std::size_t> &found) {
+                                                     if (isSeen(std::size_t(i)))
+                                                         found.push_back(std::size_t(i));
+                                                 });
+}
+
 /// Draws a polygon in the window.
 void drawOutline(const Camera &seen, const std::vector<Eigen::Vector2d> &polygon);
 /// How many pixels a brush has once the wheel has made steps, one at least for each.

@@ -35,6 +35,19 @@ LayerDrawing::~LayerDrawing() {
     glPopAttrib();
 }
 
+void beSeenThrough(float offset) {
+    glDisable(GL_LIGHTING);
+    glDisable(GL_TEXTURE_2D);
+    glDisable(GL_CULL_FACE);
+    glEnable(GL_DEPTH_TEST);
+    glDepthMask(GL_FALSE);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    glEnable(GL_POLYGON_OFFSET_FILL);
+    glPolygonOffset(offset, offset);
+}
+
 void usePositions(QOpenGLBuffer &positions) {
     glEnableClientState(GL_VERTEX_ARRAY);
     positions.bind();

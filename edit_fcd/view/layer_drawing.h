@@ -73,6 +73,9 @@ class FlatDrawing {
 void usePositions(QOpenGLBuffer &positions);
 void useNormals(QOpenGLBuffer &normals);
 void useColors(QOpenGLBuffer &colors); ///< four bytes each
+/// What a LayerDrawing draws from now on is seen through, not lit, of both sides, and nothing that the mouse points at.
+/// \param offset of its faces from those of the layer; below 0: in front of these
+void beSeenThrough(float offset);
 /// \param elements corners of the triangles \param corners how many
 void drawTriangles(QOpenGLBuffer &elements, std::size_t corners);
 

@@ -57,16 +57,7 @@ void LayerGhost::draw(const CMeshO &mesh) {
         fill(elements, parts->element);
     isMoved = isOther = false;
     const LayerDrawing drawing(mesh);
-    glDisable(GL_LIGHTING);
-    glDisable(GL_TEXTURE_2D);
-    glDisable(GL_CULL_FACE);
-    glEnable(GL_DEPTH_TEST);
-    glDepthMask(GL_FALSE); // what the mouse points at is the layer
-    glEnable(GL_BLEND);
-    glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-    glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-    glEnable(GL_POLYGON_OFFSET_FILL);
-    glPolygonOffset(1, 1); // behind the layer's own faces
+    beSeenThrough(1);
     glPointSize(2);
     glColor4ubv(color.V());
     usePositions(positions);

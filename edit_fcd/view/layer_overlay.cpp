@@ -64,19 +64,10 @@ void LayerOverlay::draw(const CMeshO &mesh) {
         return;
     write(mesh);
     const LayerDrawing drawing(mesh);
-    glDisable(GL_LIGHTING);
-    glDisable(GL_TEXTURE_2D);
-    glDisable(GL_CULL_FACE);
-    glEnable(GL_DEPTH_TEST);
+    beSeenThrough(-1);
     glDepthFunc(GL_LEQUAL);
-    glDepthMask(GL_FALSE);
-    glEnable(GL_BLEND);
-    glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
     glShadeModel(GL_SMOOTH);
-    glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-    glEnable(GL_POLYGON_OFFSET_FILL);
-    glPolygonOffset(-1, -1); // in front of the layer's own faces
-    glPointSize(5);          // a cloud's own points are 3 wide: between them, nothing of them is seen
+    glPointSize(5); // a cloud's own points are 3 wide: between them, nothing of them is seen
     glDepthRange(0, mesh.fn > 0 ? 1 : 0.9999);
     usePositions(positions);
     useColors(colors);

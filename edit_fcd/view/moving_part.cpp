@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/view/moving_part.h"
 
+#include "edit_fcd/view/trace.h"
+
 #include <layer_fcd/layer_contents.h>
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 
 namespace {
 
@@ -113,7 +113,6 @@ bool MovingPart::draw(const Camera &seen) {
     }
     part->draw(*view);
     overPart.draw(layer.cm);
-    if (std::getenv("FCD_TRACE"))
-        std::fprintf(stderr, "FCD trace: moving: %zu of %d faces are drawn\n", part->faces(), layer.cm.fn);
+    trace("moving: %d of %d faces are drawn", int(part->faces()), layer.cm.fn);
     return true;
 }

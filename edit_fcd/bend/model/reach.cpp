@@ -9,7 +9,6 @@
 #include <array>
 #include <chrono>
 #include <cstring>
-#include <numeric>
 #include <set>
 
 namespace {

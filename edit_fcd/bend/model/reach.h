@@ -6,7 +6,6 @@
 
 #include <vcg_ext/surface/surface_graph.h>
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <future>

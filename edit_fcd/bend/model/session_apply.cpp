@@ -7,8 +7,6 @@
 #include <layer_fcd/marks.h>
 #include <layer_fcd/tagging.h>
 
-#include <algorithm>
-
 // How a bend becomes what a filter would have made of it.
 
 HandleParam BendSession::handleParam() const {

@@ -9,8 +9,6 @@
 #include <layer_fcd/layer_sequence.h>
 #include <layer_fcd/motion_sources.h>
 
-#include <algorithm>
-
 // Poses that have names, which the layer keeps.
 
 using vcg::fcd::Error;

@@ -4,12 +4,15 @@
 
 #include "edit_fcd/kit/action_table.h"
 
-/// What a key does in the view.
+/// What a key does in the view, or a button of the panel.
 struct BendAction {
     // clang-format off
     enum Id {
-        Drag, Pull, Brush, Rectangle, Polyline, Line, RemovePoint, Fixed, Free, Handle, NextHandle, Outside, Through,
-        Move, Turn, Scale, Limb, Pivot, Undo, Redo, Reset, Cancel, End, ApplyInPlace, ApplyToNewLayer, Page
+        Drag, Pull, Brush, Rectangle, Polyline, Line, // in the order of BendPanel::Mode
+        RemovePoint, Fixed, Free, Handle, NextHandle, Outside, Through,
+        Move, Turn, Scale, Limb, // in the order of BendDrag::Kind
+        Pivot, Undo, Redo, Reset, Cancel, End, ApplyInPlace, ApplyToNewLayer, Page,
+        MarkSelection, ClearMarks, TakeMotions, SaveSession, LoadSession // without a key
     };
     // clang-format on
 };

@@ -16,12 +16,10 @@ BendExportDialog::BendExportDialog(double first, double last, QWidget *parent)
     auto *form = new QFormLayout(this);
     const auto add = [&](const char *name, const QString &label, double least, double most, double value,
                          const QString &tip) {
-        auto *box = new NumberBox;
-        box->setObjectName(name);
+        auto *box = named(new NumberBox, name, tip);
         box->setDecimals(3);
         box->setRange(least, most);
         box->setValue(value);
-        box->setToolTip(tip);
         form->addRow(label, box);
         return box;
     };

@@ -12,6 +12,7 @@ BendHandleList::BendHandleList(QWidget *parent)
                 {"Motion", "Its motion; double click to type it as the filters take it, empty for none", 0},
                 {"", "Removes the handle: what it held is free", 22}},
                78, parent) {
+    setObjectName("handles");
     setWordWrap(true); // a motion may have several steps
     connect(this, &CellList::cellEdited, this, [this](int row, int column, const QString &text) {
         BendHandleRow to = shown[std::size_t(row)];

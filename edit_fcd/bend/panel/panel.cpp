@@ -6,21 +6,16 @@
 #include "edit_fcd/kit/tool_window.h"
 
 #include <layer_fcd/bend_state.h>
-#include <layer_fcd/parameters.h>
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
+#include <utility>
 
 #include <QFormLayout>
-#include <QGridLayout>
 #include <QHBoxLayout>
 #include <QKeyEvent>
-#include <QPushButton>
 #include <QScreen>
-#include <QScrollArea>
 #include <QSettings>
-#include <QTimer>
 #include <QVBoxLayout>
 #include <QWindow>
 
@@ -30,70 +25,48 @@ const char *const brushSetting = "fcd/bend/brush", *const radiusSetting = "fcd/b
 
 } // namespace
 
-BendPanel::BendPanel(QWidget *parent) : QDockWidget("FCD: Bend", parent) {
-    setObjectName("fcdBendPanel");
-    setFeatures(QDockWidget::DockWidgetMovable | QDockWidget::DockWidgetFloatable);
-    auto *head = new QWidget, *content = new QWidget;
-    auto *top = new QVBoxLayout(head), *column = new QVBoxLayout(content);
-    for (QVBoxLayout *each : {top, column}) {
-        each->setContentsMargins(6, 2, 6, 2);
-        each->setSpacing(3);
-    }
-    addModes(*top);
+BendPanel::BendPanel(QWidget *parent) : ToolPanel("FCD: Bend", "fcdBendPanel", 2, 3, parent) {
+    addModes(*head);
     marking = new QWidget;
     addMarking(*marking);
-    column->addWidget(marking);
+    content->addWidget(marking);
     lineBox = new BendLineBox;
-    column->addWidget(lineBox);
+    content->addWidget(lineBox);
     list = new BendHandleList;
-    list->setObjectName("handles");
-    column->addWidget(list);
+    content->addWidget(list);
     poseBox = new BendPoseBox;
     moreOptions = new QWidget;
-    addCommands(*column);
-    column->addWidget(poseBox);
-    addMore(*column);
-    column->addStretch();
-    addFolds(*top);
-    state = new PanelState(62); // four lines
-    top->addWidget(state);
-    scroll = setScrolled(*this, *head, *content); // the width is that of all
+    addCommands(*content);
+    content->addWidget(poseBox);
+    addMore(*content);
+    addFolds(*head);
+    finish(62); // four lines; the width is that of all
     lineBox->hide();
     showParts();
     connectOptions();
-    tracePlaces(*this);
 }
 
 void BendPanel::addModes(QBoxLayout &column) {
     modes = new QButtonGroup(this);
     auto *row = new QHBoxLayout;
     row->setSpacing(1); // they are one choice, and as wide as the rest of the panel
-    const auto add = [&](const char *text, const QString &tip) {
-        auto *button = new QToolButton;
+    const std::pair<const char *, const char *> textsAndTips[] = {
+        // in the order of Mode, and of BendAction
+        {"Drag",
+         "Drag a point of a limb: the limb turns at its joint so that the point follows. Any other point, and a "
+         "handle, is pulled"},
+        {"Pull", "Drag a handle, or a point of the surface: it is moved"},
+        {"Brush", "Mark with a brush; size on the wheel"},
+        {"Box", "Mark what is in a rectangle"},
+        {"Lasso", "Mark what is in a polygon: click its corners, double-click the last"},
+        {"Straighten", "Straighten the layer along a line, or bend it along one: click points, or choose a layer"}};
+    for (const auto &[text, tip] : textsAndTips) {
+        const int which = modes->buttons().size();
+        auto *button = named(new QToolButton, QString("mode%1").arg(which), bendActions().withKeys(tip, which));
         button->setText(text);
-        button->setToolTip(tip);
-        button->setFocusPolicy(Qt::NoFocus); // keys go to the view
-        row->addWidget(button);
-        return button;
-    };
-    const char *const names[] = {"Drag", "Pull", "Brush", "Box", "Lasso", "Straighten"};
-    const QString tips[] = {
-        bendActions().withKeys("Drag a point of a limb: the limb turns at its joint so that the point follows. Any "
-                               "other point, and a handle, is pulled",
-                               BendAction::Drag),
-        bendActions().withKeys("Drag a handle, or a point of the surface: it is moved", BendAction::Pull),
-        bendActions().withKeys("Mark with a brush; size on the wheel", BendAction::Brush),
-        bendActions().withKeys("Mark what is in a rectangle", BendAction::Rectangle),
-        bendActions().withKeys("Mark what is in a polygon: click its corners, double-click the last",
-                               BendAction::Polyline),
-        bendActions().withKeys(
-            "Straighten the layer along a line, or bend it along one: click points, or choose a layer",
-            BendAction::Line)};
-    for (int i = 0; i <= Line; ++i) {
-        QToolButton *button = add(names[i], tips[i]);
         button->setCheckable(true);
-        button->setObjectName(QString("mode%1").arg(i));
-        modes->addButton(button, i);
+        row->addWidget(button);
+        modes->addButton(button, which);
     }
     row->addStretch();
     setMode(Drag);
@@ -104,34 +77,30 @@ void BendPanel::addMarking(QWidget &place) {
     auto *form = new QFormLayout(&place);
     form->setContentsMargins(0, 0, 0, 0);
     form->setVerticalSpacing(2);
-    const auto withTip = [](auto *widget, const QString &tip) {
-        widget->setToolTip(tip);
-        return widget;
-    };
     auto *row = new QHBoxLayout;
     row->setSpacing(3);
-    role = withTip(new QComboBox, "What is marked becomes this (F, U, H, O)");
+    role = named(new QComboBox, "role", "What is marked becomes this (F, U, H, O)");
     role->addItems({"Fixed", "Free", "Handle", "Ignore"});
     role->setCurrentIndex(Handle);
     role->setMaximumWidth(78);
-    number =
-        withTip(new CountBox, bendActions().withKeys("Number of the handle; the next one", BendAction::NextHandle));
+    number = named(new CountBox, "number",
+                   bendActions().withKeys("Number of the handle; the next one", BendAction::NextHandle));
     number->setRange(2, 1000000);
     number->setMaximumWidth(44); // the panel leaves as much as it can to the view
-    through =
-        withTip(new QCheckBox("through the mesh"), bendActions().withKeys("Also what is hidden", BendAction::Through));
+    through = named(new QCheckBox("through the mesh"), "through",
+                    bendActions().withKeys("Also what is hidden", BendAction::Through));
     row->addWidget(role);
     row->addWidget(number);
     row->addWidget(through);
     form->addRow("Mark", row);
-    brushPixels = withTip(new CountBox, "How far the brush marks around the mouse (wheel)");
-    brushPixels->setObjectName("brush");
+    brushPixels = named(new CountBox, "brush", "How far the brush marks around the mouse (wheel)");
     brushPixels->setRange(2, 500);
     brushPixels->setValue(QSettings().value(brushSetting, 20).toInt());
     brushPixels->setSuffix(" px");
-    radiusPercent = withTip(
-        new NumberBox, "How far along the surface a handle bends what is around it while nothing is marked as fixed, "
-                       "in percent of the diagonal; a fifth of it stays free around marks (wheel while dragging)");
+    radiusPercent =
+        named(new NumberBox, "reach",
+              "How far along the surface a handle bends what is around it while nothing is marked as fixed, "
+              "in percent of the diagonal; a fifth of it stays free around marks (wheel while dragging)");
     radiusPercent->setRange(0.5, 400);
     radiusPercent->setValue(QSettings().value(radiusSetting, 100 * usualRadius).toDouble());
     radiusPercent->setSuffix(" %");
@@ -141,20 +110,18 @@ void BendPanel::addMarking(QWidget &place) {
     sizes->addWidget(radiusPercent);
     form->addRow("Brush", sizes);
     auto *frame = new QHBoxLayout;
-    mirrorAxis = withTip(new QComboBox, "Marks and moves on both sides of the middle of the layer");
+    mirrorAxis = named(new QComboBox, "mirror", "Marks and moves on both sides of the middle of the layer");
     mirrorAxis->addItems({"none", "x", "y", "z"});
-    axesChoice = withTip(new QComboBox,
-                         "What the gizmo and X, Y, Z move along and turn about: the axes of the world, of the layer, "
-                         "of the view, or of the surface under the handle (z is its normal)");
-    axesChoice->setObjectName("axes");
+    axesChoice = named(new QComboBox, "axes",
+                       "What the gizmo and X, Y, Z move along and turn about: the axes of the world, of the layer, "
+                       "of the view, or of the surface under the handle (z is its normal)");
     axesChoice->addItems({"World", "Layer", "View", "Surface"});
     frame->addWidget(mirrorAxis);
     frame->addWidget(new QLabel("Axes"));
     frame->addWidget(axesChoice);
     form->addRow("Symmetry", frame);
     auto *poseRow = new QHBoxLayout;
-    poseSlider = withTip(new QSlider(Qt::Horizontal), "How much of the motions is shown and applied");
-    poseSlider->setObjectName("pose");
+    poseSlider = named(new QSlider(Qt::Horizontal), "pose", "How much of the motions is shown and applied");
     poseSlider->setRange(0, 200);
     poseSlider->setValue(100);
     poseLabel = new QLabel("100 %");
@@ -162,8 +129,7 @@ void BendPanel::addMarking(QWidget &place) {
     poseRow->addWidget(poseLabel);
     form->addRow("Pose", poseRow);
     auto *stretched = new QHBoxLayout;
-    stretch = new QCheckBox("Show stretch");
-    stretch->setObjectName("stretch");
+    stretch = named(new QCheckBox("Show stretch"), "stretch", ""); // see allowStretch()
     QString legend;
     const std::pair<double, const char *> values[] = {{-1, "1/2"}, {-0.5, "0.7"}, {0, "1"}, {0.5, "1.4"}, {1, "2"}};
     for (const auto &[exponent, text] : values) {
@@ -175,15 +141,13 @@ void BendPanel::addMarking(QWidget &place) {
                       .arg(std::abs(exponent) > 0.7 ? "white" : "black", text);
     }
     stretched->addWidget(stretch);
-    stretched->addWidget(withTip(new QLabel(legend), "Length of the surface, in multiples of its length at rest"));
+    stretched->addWidget(
+        named(new QLabel(legend), "legend", "Length of the surface, in multiples of its length at rest"));
     stretched->addStretch();
     form->addRow(stretched);
 }
 
 void BendPanel::connectOptions() {
-    for (QWidget *widget : std::initializer_list<QWidget *>{role, mirrorAxis, axesChoice, falloffChoice, weightsChoice,
-                                                            through, elastic, stretch, graphs, onion, poseSlider})
-        widget->setFocusPolicy(Qt::NoFocus); // keys stay with the view
     connectSlider(
         *poseSlider, [this] { emit poseBegins(); },
         [this](int value) {
@@ -240,7 +204,7 @@ void BendPanel::showKeys() {
 bool BendPanel::event(QEvent *event) {
     const bool isKey = event->type() == QEvent::ShortcutOverride || event->type() == QEvent::KeyPress;
     if (!isKey || static_cast<QKeyEvent *>(event)->key() != Qt::Key_Escape)
-        return QDockWidget::event(event);
+        return ToolPanel::event(event);
     event->accept();
     if (event->type() == QEvent::KeyPress)
         emit left();
@@ -274,7 +238,20 @@ void BendPanel::setPose(int percent) {
     poseLabel->setText(QString("%1 %").arg(percent));
 }
 
-void BendPanel::setShape(const BendOptions &options) {
+BendOptions BendPanel::options(const BendOptions &before) const {
+    BendOptions options = before;
+    options.smoothness = smoothnessValue->value();
+    options.falloff = vcg::fcd::Falloff(falloffChoice->currentIndex());
+    options.elastic = elastic->isChecked();
+    options.rigidity = rigidityValue->value();
+    options.initialPatches = patchCount->value();
+    options.weights = vcg::fcd::MappingWeights(weightsChoice->currentIndex());
+    options.mirror = mirrorAxis->currentIndex() - 1; // -1: none
+    options.axes = BendAxes(axesChoice->currentIndex());
+    return options;
+}
+
+void BendPanel::showOptions(const BendOptions &options) {
     const QSignalBlocker blocked(this);
     smoothnessValue->setValue(options.smoothness);
     falloffChoice->setCurrentIndex(int(options.falloff));
@@ -285,6 +262,7 @@ void BendPanel::setShape(const BendOptions &options) {
     mirrorAxis->setCurrentIndex(options.mirror + 1);
     axesChoice->setCurrentIndex(int(options.axes));
     setPose(int(options.pose));
+    setStretch(options.stretch);
 }
 
 void BendPanel::setStretch(bool shown) {

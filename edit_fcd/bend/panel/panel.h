@@ -12,37 +12,21 @@
 #include <QButtonGroup>
 #include <QCheckBox>
 #include <QComboBox>
-#include <QDockWidget>
 #include <QDoubleSpinBox>
 #include <QLabel>
 #include <QPlainTextEdit>
 #include <QPointer>
-#include <QScrollArea>
 #include <QSlider>
 #include <QSpinBox>
 #include <QToolButton>
 
-class QBoxLayout;
-
 /// The panel of the tool: shows and sets, and decides nothing.
-class BendPanel : public QDockWidget {
+class BendPanel : public ToolPanel {
     Q_OBJECT
 
   public:
     enum Mode { Drag, Pull, Brush, Rectangle, Polyline, Line };
     enum Role { Fixed, Free, Handle, Outside };
-    enum Command {
-        MarkSelection,
-        ClearMarks,
-        TakeMotions,
-        Undo,
-        Redo,
-        Reset,
-        ApplyInPlace,
-        ApplyToNewLayer,
-        SaveSession,
-        LoadSession
-    };
 
     explicit BendPanel(QWidget *parent);
 
@@ -57,19 +41,13 @@ class BendPanel : public QDockWidget {
     double radius() const { return radiusPercent->value() / 100; } ///< of a point handle, of the diagonal
     int brush() const { return brushPixels->value(); }             ///< radius
     void setBrush(int pixels) { brushPixels->setValue(pixels); }
-    void keepSizes() const; ///< for the next panel, also of another day
-    double smoothness() const { return smoothnessValue->value(); }
-    vcg::fcd::Falloff falloff() const { return vcg::fcd::Falloff(falloffChoice->currentIndex()); }
-    bool isElastic() const { return elastic->isChecked(); }
-    double rigidity() const { return rigidityValue->value(); }
-    int patches() const { return patchCount->value(); }
-    vcg::fcd::MappingWeights weights() const { return vcg::fcd::MappingWeights(weightsChoice->currentIndex()); }
-    int mirror() const { return mirrorAxis->currentIndex() - 1; } ///< -1: none
-    int axes() const { return axesChoice->currentIndex(); }       ///< as BendAxes
-    int pose() const { return poseSlider->value(); }              ///< percent
+    void keepSizes() const;                          ///< for the next panel, also of another day
+    int pose() const { return poseSlider->value(); } ///< percent
     void setPose(int percent);
-    /// Shows what shapes a deformation, without telling that it changed. \param mirror -1: none
-    void setShape(const BendOptions &options);
+    /// What is asked for, but for the pose, and whether stretch is shown, which are as in \p before.
+    BendOptions options(const BendOptions &before) const;
+    /// Shows them all, without telling that they changed.
+    void showOptions(const BendOptions &options);
     bool showsStretch() const { return stretch->isChecked(); }
     void setStretch(bool shown);
     /// Whether there is a surface whose stretch can be shown.
@@ -83,7 +61,6 @@ class BendPanel : public QDockWidget {
     /// Shows the handles' motions, unless they are being typed.
     void showMotions(const QString &text);
     void showHandles(const std::vector<BendHandleRow> &rows) { list->show(rows); }
-    void showState(const QString &text) { state->say(text); }
     void showFigures(const QString &text) { figures->setText(text); } ///< of what is solved
     void showKeys();
     BendHandleList &handles() { return *list; }
@@ -94,9 +71,9 @@ class BendPanel : public QDockWidget {
     void optionsChanged(); ///< mode, pose, what shapes the surface, mirror, axes, stretch, onion skin
     void poseBegins();     ///< before the pose changes, once for each way of the slider
     void modeChosen();
-    void left();        ///< by Esc, in one of its fields
-    void roleChanged(); ///< what is marked, by a person
-    void command(int which);
+    void left();             ///< by Esc, in one of its fields
+    void roleChanged();      ///< what is marked, by a person
+    void command(int which); ///< a BendAction
 
   protected:
     bool event(QEvent *event) override;
@@ -118,13 +95,11 @@ class BendPanel : public QDockWidget {
     QCheckBox *through, *elastic, *stretch, *graphs, *onion;
     QSlider *poseSlider;
     QPlainTextEdit *motionText;
-    PanelState *state;
     QLabel *poseLabel, *figures;
     BendHandleList *list;
     BendPoseBox *poseBox;
     BendLineBox *lineBox;
     QWidget *marking, *moreOptions;
-    QScrollArea *scroll;
     std::vector<std::pair<QToolButton *, QWidget *>> folds; ///< and what they show
     QPointer<QScrollArea> page;                             ///< of keys
 };

@@ -10,10 +10,8 @@
 #include <QGridLayout>
 #include <QHBoxLayout>
 #include <QPushButton>
-#include <QScrollArea>
 #include <QSettings>
 #include <QTimer>
-#include <QVBoxLayout>
 
 // The buttons of the panel, and what they unfold.
 
@@ -26,27 +24,24 @@ const char *const onionSetting = "fcd/bend/onion_skin";
 void BendPanel::addCommands(QBoxLayout &column) {
     auto *grid = new QGridLayout;
     grid->setSpacing(3);
-    const auto add = [&](const char *text, const QString &tip, Command which, int row, int place, int width) {
-        auto *button = new QPushButton(text);
-        button->setToolTip(tip);
-        button->setFocusPolicy(Qt::NoFocus);
+    const auto add = [&](const char *text, const QString &tip, BendAction::Id which, int row, int place, int width) {
+        auto *button = named(new QPushButton(text), "", bendActions().withKeys(tip, which));
         connect(button, &QPushButton::clicked, this, [this, which] { emit command(which); });
         grid->addWidget(button, row, place, 1, width);
     };
-    add("Mark selection", "Marks the selected vertices and faces", MarkSelection, 0, 0, 6);
-    add("Clear marks", "All is free, and nothing is a handle", ClearMarks, 0, 6, 6);
-    add("Undo", bendActions().withKeys("Undo, also over applies", BendAction::Undo), Undo, 1, 0, 3);
-    add("Redo", bendActions().withKeys("Redo", BendAction::Redo), Redo, 1, 3, 3);
-    add("Reset", bendActions().withKeys("Takes all motions back", BendAction::Reset), Reset, 1, 6, 3);
-    add("Apply in place",
-        bendActions().withKeys("The layer keeps the shape, and the next pose begins from it", BendAction::ApplyInPlace),
-        ApplyInPlace, 2, 0, 6);
-    add("Apply to new layer",
-        bendActions().withKeys("A new layer gets the shape, and this one is as it was", BendAction::ApplyToNewLayer),
-        ApplyToNewLayer, 2, 6, 6);
-    grid->addWidget(sessionButton("marks, handles, motions, poses, key frames, the line, the rest shape",
-                                  [this](bool load) { emit command(load ? LoadSession : SaveSession); }),
-                    1, 9, 1, 3);
+    add("Mark selection", "Marks the selected vertices and faces", BendAction::MarkSelection, 0, 0, 6);
+    add("Clear marks", "All is free, and nothing is a handle", BendAction::ClearMarks, 0, 6, 6);
+    add("Undo", "Undo, also over applies", BendAction::Undo, 1, 0, 3);
+    add("Redo", "Redo", BendAction::Redo, 1, 3, 3);
+    add("Reset", "Takes all motions back", BendAction::Reset, 1, 6, 3);
+    add("Apply in place", "The layer keeps the shape, and the next pose begins from it", BendAction::ApplyInPlace, 2, 0,
+        6);
+    add("Apply to new layer", "A new layer gets the shape, and this one is as it was", BendAction::ApplyToNewLayer, 2,
+        6, 6);
+    grid->addWidget(
+        sessionButton("marks, handles, motions, poses, key frames, the line, the rest shape",
+                      [this](bool load) { emit command(load ? BendAction::LoadSession : BendAction::SaveSession); }),
+        1, 9, 1, 3);
     column.addLayout(grid);
 }
 
@@ -55,12 +50,9 @@ void BendPanel::addFolds(QBoxLayout &column) {
     auto *row = new QHBoxLayout;
     row->setSpacing(3);
     const auto add = [&](const char *name, const char *text, const QString &tip, QWidget *part, bool usual) {
-        auto *button = new QToolButton;
-        button->setObjectName(name);
+        auto *button = named(new QToolButton, name, tip);
         button->setText(text);
-        button->setToolTip(tip);
         button->setCheckable(true);
-        button->setFocusPolicy(Qt::NoFocus);
         button->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
         button->setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Fixed);
         const QString setting = QString("fcd/bend/shows_") + name;
@@ -78,11 +70,8 @@ void BendPanel::addFolds(QBoxLayout &column) {
     add("handles_fold", "Handles", "The list of handles", list, true);
     add("poses_fold", "Poses", "Named poses, blended by sliders, and key frames", poseBox, false);
     add("more", "More", "What shapes a deformation, motions as text, graph layers, figures", moreOptions, false);
-    auto *keys = new QToolButton;
-    keys->setObjectName("keys");
+    auto *keys = named(new QToolButton, "keys", bendActions().withKeys("What the keys do", BendAction::Page));
     keys->setText("?");
-    keys->setToolTip(bendActions().withKeys("What the keys do", BendAction::Page));
-    keys->setFocusPolicy(Qt::NoFocus); // keys go to the view
     connect(keys, &QToolButton::clicked, this, &BendPanel::showKeys);
     row->addWidget(keys);
     column.addLayout(row);
@@ -103,10 +92,8 @@ namespace {
 
 /// A row with what a parameter may be.
 QComboBox *addChoice(QFormLayout &form, const char *name, const ParameterText &words) {
-    auto *choice = new QComboBox;
-    choice->setObjectName(name);
+    auto *choice = named(new QComboBox, name, words.help);
     choice->addItems(words.values);
-    choice->setToolTip(words.help);
     form.addRow(words.label, choice);
     return choice;
 }
@@ -117,8 +104,8 @@ void BendPanel::addMore(QBoxLayout &column) {
     auto *form = new QFormLayout(moreOptions);
     form->setContentsMargins(0, 0, 0, 0);
     form->setVerticalSpacing(3);
-    smoothnessValue = new NumberBox;
-    smoothnessValue->setToolTip("How evenly turns are spread over the surface: higher is stiffer");
+    smoothnessValue =
+        named(new NumberBox, "smoothness", "How evenly turns are spread over the surface: higher is stiffer");
     smoothnessValue->setDecimals(4);
     smoothnessValue->setRange(0, 10);
     smoothnessValue->setSingleStep(0.002);
@@ -126,24 +113,18 @@ void BendPanel::addMore(QBoxLayout &column) {
     form->addRow("Smoothness", smoothnessValue);
     falloffChoice = addChoice(*form, "falloff", falloffText());
     const ParameterText words = elasticText();
-    elastic = new QCheckBox(words.label);
-    elastic->setObjectName("elastic");
-    elastic->setToolTip(words.help);
+    elastic = named(new QCheckBox(words.label), "elastic", words.help);
     form->addRow(elastic);
-    const ParameterText rigid = rigidityText();
-    rigidityValue = new NumberBox;
-    rigidityValue->setObjectName("rigidity");
-    rigidityValue->setToolTip(rigid.help);
+    rigidityValue = named(new NumberBox, "rigidity", rigidityText().help);
     rigidityValue->setDecimals(3);
     rigidityValue->setRange(0, 1);
     rigidityValue->setSingleStep(0.1);
     rigidityValue->setValue(1);
     form->addRow("Rigidity", rigidityValue);
     connect(elastic, &QCheckBox::toggled, rigidityValue, &QWidget::setDisabled); // that keeps its volume is rigid
-    patchCount = new CountBox;
-    patchCount->setObjectName("patches");
-    patchCount->setToolTip("How many patches the surface is divided into: with more it bends more finely, and takes "
-                           "longer. Automatic (0): 100 to 1500, as many as it needs");
+    patchCount = named(new CountBox, "patches",
+                       "How many patches the surface is divided into: with more it bends more finely, and takes "
+                       "longer. Automatic (0): 100 to 1500, as many as it needs");
     patchCount->setRange(0, 20000);
     patchCount->setSpecialValueText("automatic");
     form->addRow("Detail", patchCount);
@@ -155,17 +136,12 @@ void BendPanel::addMore(QBoxLayout &column) {
     motionText->setToolTip("The motions of the handles as the filters take them ('Motions as text'); type or paste, "
                            "then press 'Apply text'");
     form->addRow(motionText);
-    auto *take = new QPushButton("Apply text");
-    take->setObjectName("take");
-    take->setToolTip("Moves the handles as the text says");
-    take->setFocusPolicy(Qt::NoFocus);
-    connect(take, &QPushButton::clicked, this, [this] { emit command(TakeMotions); });
-    graphs = new QCheckBox("with graph layers");
-    graphs->setObjectName("graphs");
-    graphs->setToolTip("'Apply to new layer' also adds the deformation graph at rest and deformed");
+    auto *take = named(new QPushButton("Apply text"), "take", "Moves the handles as the text says");
+    connect(take, &QPushButton::clicked, this, [this] { emit command(BendAction::TakeMotions); });
+    graphs = named(new QCheckBox("with graph layers"), "graphs",
+                   "'Apply to new layer' also adds the deformation graph at rest and deformed");
     form->addRow(graphs, take);
-    onion = new QCheckBox;
-    onion->setObjectName("onion");
+    onion = named(new QCheckBox, "onion", ""); // see setGhostsArePoints()
     onion->setChecked(QSettings().value(onionSetting, false).toBool());
     connect(onion, &QCheckBox::toggled, this, [](bool shown) { QSettings().setValue(onionSetting, shown); });
     setGhostsArePoints(false);

@@ -1,22 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/panel/pose_box.h"
 
+#include "edit_fcd/kit/tool_list.h"
+
 #include <QGridLayout>
 #include <QHBoxLayout>
-#include <QPushButton>
 
 BendPoseBox::BendPoseBox(QWidget *parent) : QWidget(parent) {
     auto *grid = new QGridLayout(this);
     grid->setContentsMargins(0, 0, 0, 0);
     grid->setSpacing(3);
-    poses = new BendPoseList;
-    poses->setObjectName("poses");
+    poses = named(new BendPoseList, "poses", "");
     grid->addWidget(poses, 0, 0);
     const auto made = [&](const char *name, const QString &text, const QString &tip, Command which) {
-        auto *button = new QPushButton(text);
-        button->setObjectName(name);
-        button->setToolTip(tip);
-        button->setFocusPolicy(Qt::NoFocus);
+        auto *button = named(new QPushButton(text), name, tip);
         connect(button, &QPushButton::clicked, this, [this, which] { emit command(which); });
         return button;
     };
@@ -35,8 +32,7 @@ BendPoseBox::BendPoseBox(QWidget *parent) : QWidget(parent) {
                           "Replaces the poses by those of a table (.csv), as 'FCD: Pose Sequence' reads it", Load));
     files->addWidget(made("saveposes", "Save ...",
                           "Writes the poses as a table (.csv): no file of MeshLab has room for them", Save));
-    frames = new BendKeyList;
-    frames->setObjectName("frames");
+    frames = named(new BendKeyList, "frames", "");
     grid->addWidget(frames, 2, 0);
     auto *last = row(3);
     play = made("play", "Play", "Plays the key frames in the view, until something else is done", Play);

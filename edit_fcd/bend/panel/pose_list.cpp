@@ -49,10 +49,8 @@ void BendPoseList::show(const std::vector<BendPoseRow> &poses) {
         const QModelIndex place = model()->index(row, Weight);
         auto *slider = static_cast<QSlider *>(indexWidget(place)); // which stays, as it may be in use
         if (!slider) {
-            slider = new QSlider(Qt::Horizontal);
-            slider->setObjectName(QString("weight%1").arg(row));
+            slider = named(new QSlider(Qt::Horizontal), QString("weight%1").arg(row), "");
             slider->setRange(0, 100);
-            slider->setFocusPolicy(Qt::NoFocus); // keys stay with the view
             connectSlider(
                 *slider, [this] { emit begins(); }, [this, row](int percent) { emit weighted(row, percent); });
             setIndexWidget(place, slider);

@@ -5,8 +5,6 @@
 #include "edit_fcd/bend/model/handles.h"
 #include "edit_fcd/view/brush.h"
 
-#include <cmath>
-
 #include <QCursor>
 
 // What the tool shows, and says.

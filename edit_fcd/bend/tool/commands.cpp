@@ -6,8 +6,6 @@
 #include <layer_fcd/layer_contents.h>
 #include <layer_fcd/tagging.h>
 
-#include <algorithm>
-
 #include <QGuiApplication>
 
 using vcg::fcd::Error;
@@ -54,23 +52,12 @@ void BendTool::makePanel() {
 
 void BendTool::takeOptions() {
     BendOptions &options = session->edit().options;
-    options.smoothness = panel->smoothness();
-    options.falloff = panel->falloff();
-    options.elastic = panel->isElastic();
-    options.rigidity = panel->rigidity();
-    options.initialPatches = panel->patches();
-    options.weights = panel->weights();
-    options.mirror = panel->mirror();
-    options.axes = BendAxes(panel->axes());
+    options = panel->options(options);
     setPose(session->edit(), panel->pose());
 }
 
 /// The panel shows the options of the session, which has gone back to others.
-void BendTool::showOptions() {
-    const BendOptions &options = session->edit().options;
-    panel->setShape(options);
-    panel->setStretch(options.stretch);
-}
+void BendTool::showOptions() { panel->showOptions(session->model().options); }
 
 void BendTool::onOptions() {
     if (!isForPanel())
@@ -124,7 +111,7 @@ void BendTool::onCommand(int which) {
     if (!isForPanel())
         return;
     switch (which) {
-    case BendPanel::MarkSelection: {
+    case BendAction::MarkSelection: {
         std::vector<char> chosen = onSelectedFaces(*model);
         std::vector<std::size_t> all;
         for (std::size_t i = 0; i < chosen.size(); ++i)
@@ -138,21 +125,21 @@ void BendTool::onCommand(int which) {
         takeMarks();
         break;
     }
-    case BendPanel::ClearMarks:
+    case BendAction::ClearMarks:
         session->change();
         session->clearMarks();
         showOverlay();
         solve(true);
         break;
-    case BendPanel::TakeMotions:
+    case BendAction::TakeMotions:
         session->change();
         setMotions(session->edit(), panel->motions().toStdString());
         solve(true);
         view->setFocus();
         break;
-    case BendPanel::Undo:
-    case BendPanel::Redo:
-        if (which == BendPanel::Undo)
+    case BendAction::Undo:
+    case BendAction::Redo:
+        if (which == BendAction::Undo)
             session->undo();
         else
             session->redo();
@@ -160,15 +147,15 @@ void BendTool::onCommand(int which) {
         showOverlay();
         solve(true);
         break;
-    case BendPanel::Reset:
+    case BendAction::Reset:
         session->change();
         session->reset();
         solve(true);
         break;
-    case BendPanel::ApplyInPlace:
-    case BendPanel::ApplyToNewLayer: apply(which == BendPanel::ApplyInPlace); break;
-    case BendPanel::SaveSession:
-    case BendPanel::LoadSession: chooseSession(which == BendPanel::LoadSession); break;
+    case BendAction::ApplyInPlace:
+    case BendAction::ApplyToNewLayer: apply(which == BendAction::ApplyInPlace); break;
+    case BendAction::SaveSession:
+    case BendAction::LoadSession: chooseSession(which == BendAction::LoadSession); break;
     }
     if (!view) // an apply to a new layer ended all
         return;

@@ -3,10 +3,9 @@
 
 #include "edit_fcd/bend/model/handles.h"
 #include "edit_fcd/view/layer_ray.h"
+#include "edit_fcd/view/trace.h"
 
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 void DragInteraction::begin(const Grip &what) {
     BendSession &session = *stage.session;
@@ -94,9 +93,8 @@ void DragInteraction::beginPrepared() {
     try {
         if (tookToPrepare > 0 && isMoved(model))
             stage.solve(false);
-        if (std::getenv("FCD_TRACE"))
-            std::fprintf(stderr, "FCD trace: press: %d vertices, prepare %.1f ms, since the event %.1f ms\n",
-                         stage.model->cm.vn, tookToPrepare, double(stage.sinceEvent.nsecsElapsed()) / 1e6);
+        trace("press: %d vertices, prepare %.1f ms, since the event %.1f ms", stage.model->cm.vn, tookToPrepare,
+              stage.millisecondsSinceEvent());
     } catch (...) {
         end(false);
         throw;

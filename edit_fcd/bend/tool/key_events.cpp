@@ -100,17 +100,17 @@ void BendTool::setRole(BendPanel::Role which, int handle) {
 
 void BendTool::act(BendAction::Id action) {
     switch (action) {
-    case BendAction::Move: dragByKey(BendDrag::Move); break;
-    case BendAction::Turn: dragByKey(BendDrag::Turn); break;
-    case BendAction::Scale: dragByKey(BendDrag::Scale); break;
-    case BendAction::Limb: dragByKey(BendDrag::Limb); break;
+    case BendAction::Drag:
+    case BendAction::Pull:
+    case BendAction::Brush:
+    case BendAction::Rectangle:
+    case BendAction::Polyline:
+    case BendAction::Line: setMode(BendPanel::Mode(action - BendAction::Drag)); break;
+    case BendAction::Move:
+    case BendAction::Turn:
+    case BendAction::Scale:
+    case BendAction::Limb: dragByKey(BendDrag::Kind(action - BendAction::Move)); break;
     case BendAction::Pivot: placePivot(); break;
-    case BendAction::Drag: setMode(BendPanel::Drag); break;
-    case BendAction::Pull: setMode(BendPanel::Pull); break;
-    case BendAction::Brush: setMode(BendPanel::Brush); break;
-    case BendAction::Rectangle: setMode(BendPanel::Rectangle); break;
-    case BendAction::Polyline: setMode(BendPanel::Polyline); break;
-    case BendAction::Line: setMode(BendPanel::Line); break;
     case BendAction::RemovePoint: removeLinePoint(); break;
     case BendAction::Fixed: setRole(BendPanel::Fixed); break;
     case BendAction::Free: setRole(BendPanel::Free); break;
@@ -120,9 +120,6 @@ void BendTool::act(BendAction::Id action) {
         break;
     case BendAction::NextHandle: setRole(BendPanel::Handle, session->model().influence.unusedTag()); break;
     case BendAction::Through: panel->toggleThrough(); break;
-    case BendAction::Undo: onCommand(BendPanel::Undo); break;
-    case BendAction::Redo: onCommand(BendPanel::Redo); break;
-    case BendAction::Reset: onCommand(BendPanel::Reset); break;
     case BendAction::Cancel:
         if (going && going->isCancelledByEsc())
             going->cancel();
@@ -131,9 +128,8 @@ void BendTool::act(BendAction::Id action) {
         if (going)
             going->doubleClick();
         break;
-    case BendAction::ApplyInPlace: onCommand(BendPanel::ApplyInPlace); break;
-    case BendAction::ApplyToNewLayer: onCommand(BendPanel::ApplyToNewLayer); break;
     case BendAction::Page: panel->showKeys(); break;
+    default: onCommand(action); // which has a button, too
     }
 }
 

@@ -3,11 +3,9 @@
 
 #include "edit_fcd/bend/model/guide_line.h"
 #include "edit_fcd/bend/tool/line_interaction.h"
+#include "edit_fcd/view/trace.h"
 
 #include <layer_fcd/line_sources.h>
-
-#include <cstdio>
-#include <cstdlib>
 
 #include <QFileDialog>
 
@@ -70,10 +68,9 @@ void BendTool::lookForLine() {
                     return;
                 panel->showState(stateText());
                 view->update();
-                if (std::getenv("FCD_TRACE") && linePreview->isFound())
-                    std::fprintf(stderr, "FCD trace: line: %d vertices, %d points, length %.6g, in %.1f ms\n",
-                                 model->cm.vn, int(session->state().line.size()), linePreview->last().length,
-                                 linePreview->milliseconds());
+                if (linePreview->isFound())
+                    trace("line: %d vertices, %d points, length %.6g, in %.1f ms", model->cm.vn,
+                          int(session->state().line.size()), linePreview->last().length, linePreview->milliseconds());
             });
         });
     guarded([&] {

@@ -3,8 +3,6 @@
 
 #include <QPolygonF>
 
-using vcg::fcd::Index;
-
 std::vector<Eigen::Vector2d> BendMarking::outline() const {
     if (kind == Polygon)
         return corners;
@@ -34,13 +32,10 @@ std::vector<std::size_t> BendMarking::verticesIn(const SeenPart::IsIn &isIn, con
                                                  const Camera &view) const {
     const Eigen::Affine3d mirror = mirrorOf(session.model());
     const SeenPart part(view, isIn, depth, session.diagonal());
-    return vcg::fcd::CollectInOrder<std::size_t>(
-        vcg::fcd::Progress(), "Marking", Index(session.tags().size()), [&](Index i, std::vector<std::size_t> &found) {
-            const auto slot = std::size_t(i);
-            if (session.restShape().isDeleted(slot))
-                return;
-            const Eigen::Vector3d p = session.positionOf(slot);
-            if (part.has(p) || (session.model().options.mirror >= 0 && part.has(mirror * p)))
-                found.push_back(slot);
-        });
+    return slotsThat(session.tags().size(), [&](std::size_t slot) {
+        if (session.restShape().isDeleted(slot))
+            return false;
+        const Eigen::Vector3d p = session.positionOf(slot);
+        return part.has(p) || (session.model().options.mirror >= 0 && part.has(mirror * p));
+    });
 }

@@ -2,10 +2,8 @@
 #include "edit_fcd/bend/tool/onion_skin.h"
 
 #include "edit_fcd/bend/model/named_poses.h"
+#include "edit_fcd/view/trace.h"
 
-#include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 #include <utility>
 
 namespace {
@@ -90,8 +88,7 @@ void BendOnionSkin::ended(const std::exception_ptr &thrown) {
     } catch (const vcg::fcd::Cancelled &) {
         isStopped = true;
     } catch (const std::exception &e) { // a pose that cannot be shown, which is said where it is asked for
-        if (std::getenv("FCD_TRACE"))
-            std::fprintf(stderr, "FCD trace: ghosts: none: %s\n", e.what());
+        trace("ghosts: none: %s", e.what());
     }
     if (!isStopped) {
         parts = done->parts;
@@ -100,10 +97,8 @@ void BendOnionSkin::ended(const std::exception_ptr &thrown) {
         for (auto &each : done->found)
             known.insert(each);
         showWanted();
-        if (std::getenv("FCD_TRACE"))
-            std::fprintf(stderr, "FCD trace: ghosts: %d, of %d vertices, as %s\n",
-                         int(before.isShown()) + int(after.isShown()), parts ? int(parts->slot.size()) : 0,
-                         parts && parts->element.empty() ? "points" : "faces");
+        trace("ghosts: %d, of %d vertices, as %s", int(before.isShown()) + int(after.isShown()),
+              parts ? int(parts->slot.size()) : 0, parts && parts->element.empty() ? "points" : "faces");
     }
     changed();
 }

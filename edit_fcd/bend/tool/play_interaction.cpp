@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/tool/play_interaction.h"
 
+#include "edit_fcd/view/trace.h"
+
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 void PlayInteraction::begin() {
     stage.beside(
@@ -41,8 +41,7 @@ void PlayInteraction::show() {
     stage.panel->poses().timeline().showTime(stage.session->state().poses->key.front().time + time);
     stage.showVertices(false);
     stage.view->update();
-    if (std::getenv("FCD_TRACE"))
-        std::fprintf(stderr, "FCD trace: frame: at %.3f s\n", time);
+    trace("frame: at %.3f s", time);
 }
 
 void PlayInteraction::cancel() {

@@ -70,27 +70,25 @@ void BendTool::connectPoses() {
         if (ScrubInteraction *going = scrub())
             going->end();
     });
-    const auto set = [this](int row, double time, std::optional<vcg::fcd::Easing> easing) {
+    using KeyFrames = std::vector<vcg::fcd::KeyFrame>;
+    const auto edit = [this](int row, const std::function<void(KeyFrames &)> &change) {
         changeFrame(row, [&] {
             session->change();
-            std::vector<vcg::fcd::KeyFrame> frames = keyFrames(session->state());
-            frames[std::size_t(row)].time = time;
-            if (easing)
-                frames[std::size_t(row)].easing = *easing;
+            KeyFrames frames = keyFrames(session->state());
+            change(frames);
             session->setPoses(withKeyFrames(*session->state().poses, std::move(frames)));
         });
     };
-    when(frames, &BendKeyList::edited,
-         [set](int row, double time, int easing) { set(row, time, vcg::fcd::Easing(easing)); });
-    when(bar, &BendTimeline::keyMoved, [set](int row, double time) { set(row, time, {}); });
-    when(frames, &BendKeyList::removed, [this](int row) {
-        changeFrame(row, [&] {
-            session->change();
-            std::vector<vcg::fcd::KeyFrame> frames = keyFrames(session->state());
-            frames.erase(frames.begin() + row);
-            session->setPoses(withKeyFrames(*session->state().poses, std::move(frames)));
+    when(frames, &BendKeyList::edited, [edit](int row, double time, int easing) {
+        edit(row, [=](KeyFrames &all) {
+            all[std::size_t(row)].time = time;
+            all[std::size_t(row)].easing = vcg::fcd::Easing(easing);
         });
     });
+    when(bar, &BendTimeline::keyMoved,
+         [edit](int row, double time) { edit(row, [=](KeyFrames &all) { all[std::size_t(row)].time = time; }); });
+    when(frames, &BendKeyList::removed,
+         [edit](int row) { edit(row, [=](KeyFrames &all) { all.erase(all.begin() + row); }); });
 }
 
 /// Does something to the poses, if that can be done now; the panel shows what there is.

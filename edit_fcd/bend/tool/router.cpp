@@ -5,11 +5,9 @@
 #include "edit_fcd/bend/model/marks.h"
 #include "edit_fcd/bend/tool/line_interaction.h"
 #include "edit_fcd/bend/tool/mark_interaction.h"
+#include "edit_fcd/view/trace.h"
 
-#include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <tuple>
 
 // The mouse: to what goes on, or else to what it begins, or to the camera.
@@ -41,9 +39,9 @@ void BendTool::press(QMouseEvent *event) {
         toCamera(event);
     refresh();
     view->update();
-    if (panel->mode() == BendPanel::Line && std::getenv("FCD_TRACE"))
-        std::fprintf(stderr, "FCD trace: click: %d vertices, %d points, since the event %.1f ms\n", model->cm.vn,
-                     int(session->state().line.size()), double(sinceEvent.nsecsElapsed()) / 1e6);
+    if (panel->mode() == BendPanel::Line)
+        trace("click: %d vertices, %d points, since the event %.1f ms", model->cm.vn, int(session->state().line.size()),
+              millisecondsSinceEvent());
 }
 
 /// Begins what a press in this mode begins. \return false where that is nothing
@@ -193,8 +191,7 @@ void BendTool::foresee() {
     const std::optional<std::size_t> slot = foreseen.slot;
     const BendModel &model = session->model();
     const bool isThere = slot && *slot < session->tags().size() && canBecomePoint(model, *slot);
-    QElapsedTimer watch;
-    watch.start();
+    const vcg::fcd::Stopwatch watch;
     std::shared_ptr<const BendExtent> found;
     const double worldRadius = panel->radius() * session->diagonal();
     if (isForLimb(foreseen))
@@ -223,9 +220,9 @@ void BendTool::foresee() {
     if (!colors->preview(found))
         return;
     showOverlay();
-    if (std::getenv("FCD_TRACE") && found)
-        std::fprintf(stderr, "FCD trace: foreseen: %d vertices, %d move, %.1f ms\n", this->model->cm.vn,
-                     int(found->beyond.size() + found->around.size()), double(watch.nsecsElapsed()) / 1e6);
+    if (found)
+        trace("foreseen: %d vertices, %d move, %.1f ms", this->model->cm.vn,
+              int(found->beyond.size() + found->around.size()), 1000 * watch.Seconds());
 }
 
 /// Nothing is going to move any more.

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/tool/scrub_interaction.h"
 
-#include <cstdio>
-#include <cstdlib>
+#include "edit_fcd/view/trace.h"
 
 void ScrubInteraction::begin(double time) {
     asked = time;
@@ -39,8 +38,7 @@ void ScrubInteraction::step() {
     }
     stage.showVertices(false);
     stage.view->update();
-    if (std::getenv("FCD_TRACE"))
-        std::fprintf(stderr, "FCD trace: scrub: at %.3f s\n", asked);
+    trace("scrub: at %.3f s", asked);
 }
 
 void ScrubInteraction::stop() {

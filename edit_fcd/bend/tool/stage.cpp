@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/tool/stage.h"
 
-#include <cstdio>
-#include <cstdlib>
+#include "edit_fcd/view/trace.h"
 
 // How a layer that is bent is solved and shown, and what is done beside the window for that.
 
@@ -95,9 +94,7 @@ void BendStage::lookForContact() {
     const vcg::fcd::Stopwatch watch;
     session->findContact();
     const std::string contact = session->contact().Text();
-    if (std::getenv("FCD_TRACE"))
-        std::fprintf(stderr, "FCD trace: contact: %d triangles, %.1f ms\n", int(session->contact().face.size()),
-                     1000 * watch.Seconds());
+    trace("contact: %d triangles, %.1f ms", int(session->contact().face.size()), 1000 * watch.Seconds());
     if (!contact.empty() && !isContactTold)
         say(contact); // which the panel says by itself, as long as it is so
     isContactTold = !contact.empty();
@@ -134,8 +131,7 @@ void BendStage::comeToRest() {
 
 void BendStage::solve(bool full) {
     restingTimer.stop();
-    QElapsedTimer watch;
-    watch.start();
+    const vcg::fcd::Stopwatch watch;
     BendSession::Times times;
     try {
         times = session->pose(full, display->showsFaces());
@@ -150,18 +146,15 @@ void BendStage::solve(bool full) {
         showChanged();
     if (full)
         restingTimer.start(restBeforeContact);
-    const double solved = double(watch.nsecsElapsed()) / 1e6;
+    const double solved = 1000 * watch.Seconds();
     showVertices(full);
-    const double took = double(watch.nsecsElapsed()) / 1e6;
+    const double took = 1000 * watch.Seconds();
     if (!full)
         milliseconds = took; // of a step
-    if (std::getenv("FCD_TRACE"))
-        std::fprintf(
-            stderr,
-            "FCD trace: %s: %d vertices, %d nodes, prepare %.1f, solve %.1f, write %.1f, buffers %.1f, in all %.1f, "
-            "since the event %.1f ms\n",
-            full ? "full" : "drag", model->cm.vn, session->nodes(), times.prepare, times.solve, times.write,
-            took - solved, took, sinceEvent.isValid() ? double(sinceEvent.nsecsElapsed()) / 1e6 : 0.0);
+    trace("%s: %d vertices, %d nodes, prepare %.1f, solve %.1f, write %.1f, buffers %.1f, in all %.1f, since the event "
+          "%.1f ms",
+          full ? "full" : "drag", model->cm.vn, session->nodes(), times.prepare, times.solve, times.write,
+          took - solved, took, millisecondsSinceEvent());
 }
 
 // --- beside the window ---
@@ -202,9 +195,7 @@ void BendStage::beside(const QString &what, const JobRunner::Work &work, std::fu
     view->setCursor(Qt::BusyCursor);
     preparingTimer.start(100);
     refresh();
-    if (std::getenv("FCD_TRACE"))
-        std::fprintf(stderr, "FCD trace: answer: %d vertices, since the event %.1f ms\n", model->cm.vn,
-                     sinceEvent.isValid() ? double(sinceEvent.nsecsElapsed()) / 1e6 : 0.0);
+    trace("answer: %d vertices, since the event %.1f ms", model->cm.vn, millisecondsSinceEvent());
 }
 
 void BendStage::whenDone() {

@@ -115,6 +115,7 @@ class BendStage : public LayerTool {
     bool isClicked = false; ///< what was begun last is a new handle, which was not moved
     double frame = 0;       ///< milliseconds from one drawing to the next, of the last ones while dragged; 0: none yet
     QElapsedTimer sinceEvent;
+    double millisecondsSinceEvent() const { return sinceEvent.isValid() ? double(sinceEvent.nsecsElapsed()) / 1e6 : 0; }
 
   protected:
     void showHint() override;

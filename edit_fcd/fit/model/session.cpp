@@ -42,19 +42,20 @@ bool FitSession::isUpToDate() const {
     return rest.fits() && present == rest.world().matrix() && rest.isAsKnown();
 }
 
-void FitSession::resume(const FitState &state) {
-    now = state;
-    now.shape = FitShape::Rest;
-    now.applies = 0;
-}
-
-std::string FitSession::takeKept() {
+std::string FitSession::goOn(const FitSession *before) {
+    if (before && (shapeAtRest == before->shapeAtRest || shapeAtRest == before->rest.known())) {
+        now = before->now;
+        now.shape = FitShape::Rest;
+        now.applies = 0;
+    } else if (before) {
+        setPairs(before->now.pairs);
+    }
     const auto fit = LayerState::known(layer).fit;
     if (fit == kept)
         return "";
     kept = fit;
     const FitToolState told = fit ? *fit : FitToolState();
-    chosenTarget = told.target;
+    targetName = told.target;
     const std::string wrong = takeTold(told);
     if (const FitShape its = fitShownBy(layer); its != FitShape::Rest) {
         rest.keepPosed([this] { keepRest(); });
@@ -74,10 +75,11 @@ std::string FitSession::takeTold(const FitToolState &taken) {
     now.options = taken.options;
     if (hasCurves)
         return "";
+    now.lines = nullptr;
     try {
-        loadCurves(taken.curves);
+        if (!taken.curves.empty())
+            now.lines = loadLines(layer, rest.positions().data(), taken.curves);
     } catch (const Error &e) {
-        loadCurves("");
         return e.what();
     }
     return "";
@@ -87,7 +89,7 @@ void FitSession::keep(const MeshModel *target) {
     FitToolState next;
     next.pairs = now.pairs;
     next.options = now.options;
-    next.target = chosenTarget;
+    next.target = targetName;
     next.curves = now.lines ? now.lines->file : "";
     if (isLeft) {
         next.shown = shown;
@@ -107,11 +109,6 @@ void FitSession::keep(const MeshModel *target) {
 
 Eigen::Vector3d FitSession::positionOf(std::size_t slot) const {
     return rest.world() * toVector(layer.cm.vert[slot].cP());
-}
-
-Eigen::Vector3d FitSession::cornerOf(std::size_t curve, std::size_t corner) const {
-    const std::size_t slot = now.lines->nearest[curve][corner];
-    return now.lines->curves[curve].source[corner] + positionOf(slot) - rest.world() * rest.at(slot);
 }
 
 // --- changes ---
@@ -144,20 +141,13 @@ bool FitSession::redo() {
     return true;
 }
 
+/// An end at a vertex that is not there is left out.
 void FitSession::setPairs(std::vector<FitPair> pairs) {
     now.pairs = std::move(pairs);
     const auto &vertices = layer.cm.vert;
     for (FitPair &each : now.pairs)
         if (each.slot && (*each.slot >= vertices.size() || vertices[*each.slot].IsD()))
             each.slot.reset();
-}
-
-void FitSession::load(const QStringList &files) { now.pairs = loadPairs(layer, rest.positions().data(), files); }
-
-void FitSession::save(const QString &file) const { savePairs(layer, rest.positions().data(), now.pairs, file); }
-
-void FitSession::loadCurves(const std::string &file) {
-    now.lines = file.empty() ? nullptr : loadLines(layer, rest.positions().data(), file);
 }
 
 // --- the shape ---
@@ -208,9 +198,9 @@ FitMeshParam FitSession::paramFor(const MeshModel &target, bool landmarksOnly) c
     return param;
 }
 
-bool FitSession::isPrepared() const { return landmarks().empty() || (followFitter && followStart == start(true)); }
-
-std::shared_ptr<const LayerFit> FitSession::beginPreparing() {
+std::shared_ptr<const LayerFit> FitSession::beginPreparing() const {
+    if (landmarks().empty() || (followFitter && followStart == start(true)))
+        return nullptr;
     FitMeshParam param = paramFor(layer, true);
     param.target = nullptr;
     param.fit.judgesLandmarks = false; // it is to follow them at once

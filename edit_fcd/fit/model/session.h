@@ -48,43 +48,25 @@ class FitSession {
 
     /// Whether the layer is where this has left it, with the positions and normals that it got here.
     bool isUpToDate() const;
-    /// Whether a shape, as shapeOf tells it, is the rest shape, or the one that the layer was given last.
-    bool isOfShape(std::uint64_t shape) const { return shape == shapeAtRest || shape == rest.known(); }
     const FitState &state() const { return now; }
-    /// Takes up a state of an earlier session of the same layer.
-    void resume(const FitState &state);
-    /// The pairs, options and curves that the layer keeps, and the fit that it shows, where they are not those that
-    /// this has left with it: undo takes the fit back, and then the others.
+    FitState &edit() { return now; } ///< the pairs with the functions of pairs.h; paint with those below
+    /// Takes up the state of an earlier session of the layer, its pairs alone where that was of other shapes; and the
+    /// pairs, options and curves that the layer keeps, and the fit that it shows, where they are not those that this
+    /// has left with it: undo takes the fit back, and then the others. \param before may be null
     /// \return what is wrong with the file of the curves, which are left out then; or empty
-    std::string takeKept();
+    std::string goOn(const FitSession *before);
     /// The layer keeps these, for another session and for files; the fit once it is left.
     /// \param target that is shown, or null
     void keep(const MeshModel *target);
-    /// Name of the layer that this one is fitted to, as a person has chosen it; empty: the first other one.
-    const std::string &targetName() const { return chosenTarget; }
-    void setTargetName(const std::string &name) { chosenTarget = name; }
-    std::uint64_t restShape() const { return shapeAtRest; } ///< as shapeOf tells it
-    double diagonal() const { return rest.diagonal(); }
-
+    std::string targetName; ///< of the layer that this one is fitted to, as a person chose it; empty: the first other
+    const RestGuard &restShape() const { return rest; }
     Eigen::Vector3d positionOf(std::size_t slot) const; ///< of a vertex, as it is shown; world
-    /// Of a corner of a curve on the layer: it goes with the vertex nearest to it. World
-    Eigen::Vector3d cornerOf(std::size_t curve, std::size_t corner) const;
-    /// Whether the pair that was begun last waits for its place on the target.
-    bool waitsForTarget() const { return !now.pairs.empty() && !now.pairs.back().place; }
 
     // --- changes; each begins with change(), which undo() takes back ---
 
     void change() { history.begin(now); }
     bool undo(); ///< \return whether there was something
     bool redo();
-    FitState &edit() { return now; } ///< the pairs with the functions of pairs.h; curves and paint with those below
-    /// An end at a vertex that is not there is left out.
-    void setPairs(std::vector<FitPair> pairs);
-    /// \throw vcg::fcd::Error
-    void load(const QStringList &files);
-    void save(const QString &file) const;
-    /// \param file empty: without curves \throw vcg::fcd::Error
-    void loadCurves(const std::string &file);
 
     // --- what counts, as a brush paints it; a stroke is one change ---
 
@@ -100,12 +82,11 @@ class FitSession {
 
     // --- the shape ---
 
-    /// Whether follow() needs no preparing.
-    bool isPrepared() const;
-    /// What prepares the layer to follow its landmarks, to be run beside the window; then finishPreparing().
-    std::shared_ptr<const LayerFit> beginPreparing();
+    /// What prepares the layer to follow its landmarks, to be run beside the window; then finishPreparing(). Null where
+    /// follow() needs no preparing.
+    std::shared_ptr<const LayerFit> beginPreparing() const;
     void finishPreparing(std::shared_ptr<const LayerFit> fit, std::shared_ptr<const vcg::fcd::Fitter> fitter);
-    /// Shows the surface as it follows its landmarks; at rest where there are none. \pre isPrepared()
+    /// Shows the surface as it follows its landmarks; at rest where there are none. \pre it is prepared
     /// \param full with the normals of faces and the bounding box \throw vcg::fcd::Error
     void follow(bool full);
 
@@ -144,6 +125,7 @@ class FitSession {
     };
 
     void keepRest();
+    void setPairs(std::vector<FitPair> pairs);
     vcg::fcd::FitStart start(bool byLandmarksOnly) const;
     std::vector<vcg::fcd::Landmark> landmarks() const;
     FitMeshParam paramFor(const MeshModel &target, bool landmarksOnly) const;
@@ -167,7 +149,6 @@ class FitSession {
 
     FitState now;
     std::optional<Stroke> stroke;
-    std::string chosenTarget;
     std::shared_ptr<const FitToolState> kept; ///< that the layer got here, or that was taken from it
     History<FitState> history{64};            // each may hold weights of its own
     std::vector<std::uint64_t> applied;       ///< the rest shape before each apply

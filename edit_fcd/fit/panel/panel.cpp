@@ -22,26 +22,14 @@ int placeOf(double stiffness) { return int(std::lround(100 * std::log10(stiffnes
 
 } // namespace
 
-FitPanel::FitPanel(QWidget *parent) : QDockWidget("FCD: Fit", parent) {
-    setObjectName("fcdFitPanel");
-    setFeatures(QDockWidget::DockWidgetMovable | QDockWidget::DockWidgetFloatable);
-    auto *head = new QWidget, *content = new QWidget;
-    auto *top = new QVBoxLayout(head), *column = new QVBoxLayout(content);
-    for (QVBoxLayout *each : {top, column}) {
-        each->setContentsMargins(6, 4, 6, 4);
-        each->setSpacing(5);
-    }
-    addLayers(*top);
-    state = new PanelState(72); // four lines
-    top->addWidget(state);
-    addPairs(*column);
-    addShape(*column);
-    addCommands(*column);
-    column->addStretch();
-    setScrolled(*this, *head, *content);
+FitPanel::FitPanel(QWidget *parent) : ToolPanel("FCD: Fit", "fcdFitPanel", 4, 5, parent) {
+    addLayers(*head);
+    addPairs(*content);
+    addShape(*content);
+    addCommands(*content);
+    finish(72); // four lines
     showProgress(-1);
     showLegend(0);
-    tracePlaces(*this);
 }
 
 QPushButton *FitPanel::button(const char *name, const QString &text, const QString &tip, FitAction::Id which) {

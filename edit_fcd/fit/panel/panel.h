@@ -11,17 +11,14 @@
 #include <QButtonGroup>
 #include <QCheckBox>
 #include <QComboBox>
-#include <QDockWidget>
 #include <QDoubleSpinBox>
 #include <QLabel>
 #include <QProgressBar>
 #include <QPushButton>
 #include <QSlider>
 
-class QBoxLayout;
-
 /// The panel of the tool FCD: Fit: shows and sets, and decides nothing.
-class FitPanel : public QDockWidget {
+class FitPanel : public ToolPanel {
     Q_OBJECT
 
   public:
@@ -50,7 +47,6 @@ class FitPanel : public QDockWidget {
     bool showsDistance() const { return distance->isChecked(); }
     bool graphLayers() const { return graphs->isChecked(); }
 
-    void showState(const QString &text) { state->say(text); }
     /// \param most the distance that is red, 0: none is shown
     void showLegend(double most);
     /// \param percent of work that goes on, -1: none does
@@ -82,7 +78,6 @@ class FitPanel : public QDockWidget {
     QButtonGroup *seenButtons, *brushButtons, *shapes;
     QSpinBox *brushPixels;
     QSlider *stiffness;
-    PanelState *state;
     QLabel *stiffnessText, *legend;
     QDoubleSpinBox *largest;
     QCheckBox *distance, *graphs;

@@ -67,10 +67,8 @@ void FitTool::release(QMouseEvent *event) {
         dragged.reset();
         isStepWanted = false;
         display->rest();
-        if (isWhole && session->state().shape == FitShape::Rest)
-            session->edit().shape = FitShape::Landmarks;
         if (isWhole)
-            reshape(true);
+            showPairs();
     }
     refresh();
 }
@@ -104,12 +102,16 @@ void FitTool::click() {
     if (!place(isTarget))
         return;
     selected = int(session->state().pairs.size()) - 1;
-    if (isTarget) {
-        if (session->state().shape == FitShape::Rest)
-            session->edit().shape = FitShape::Landmarks;
-        reshape(true);
-    }
+    if (isTarget)
+        showPairs();
     showLayers();
+}
+
+/// The layer is as the pairs that there are now take it, or pulled.
+void FitTool::showPairs() {
+    if (session->state().shape == FitShape::Rest)
+        session->edit().shape = FitShape::Landmarks;
+    reshape(true);
 }
 
 /// A step of a drag. Where it cannot go, that is told once the drag ends.
@@ -221,7 +223,7 @@ void FitTool::act(int action) {
         if (action == FitAction::Remove)
             session->edit().pairs.erase(session->edit().pairs.begin() + selected);
         else
-            session->setPairs({});
+            session->edit().pairs.clear();
         selected = -1;
         reshape(true);
         showLayers();
@@ -266,7 +268,7 @@ void FitTool::setShape(FitShape shape) {
 /// \param file empty: none
 void FitTool::setCurves(const std::string &file) {
     session->change();
-    session->loadCurves(file);
+    session->edit().lines = file.empty() ? nullptr : loadLines(*model, session->restShape().positions().data(), file);
     if (session->state().shape == FitShape::Pulled)
         reshape(true);
     view->update();
@@ -281,18 +283,16 @@ void FitTool::chooseFiles(bool load) {
         if (files.empty() || files.size() > 2 || !isReady())
             return;
         session->change();
-        session->load(files);
+        session->edit().pairs = loadPairs(*model, session->restShape().positions().data(), files);
         selected = -1;
-        if (session->state().shape == FitShape::Rest)
-            session->edit().shape = FitShape::Landmarks;
-        reshape(true);
+        showPairs();
         showLayers();
     } else {
         expectSavable(session->state().pairs);
         const QString file = fileToSave(*view, "Save pairs", kinds, {".csv", ".pp"});
         if (file.isEmpty() || !isReady())
             return;
-        session->save(file);
+        savePairs(*model, session->restShape().positions().data(), session->state().pairs, file);
         say("Saved the pairs as " + file.toStdString() + ".");
     }
 }

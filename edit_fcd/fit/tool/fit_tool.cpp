@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/fit/tool/fit_tool.h"
 
+#include "edit_fcd/view/trace.h"
+
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 // What the tool shows: which layers, and the shape that it gives the one.
 
@@ -20,7 +20,10 @@ void FitTool::showHint() {
 
 // --- what is seen ---
 
-bool FitTool::isTurnOfTarget() const { return session && session->waitsForTarget(); }
+/// Whether the pair that was begun last waits for its place on the target.
+bool FitTool::isTurnOfTarget() const {
+    return session && !session->state().pairs.empty() && !session->state().pairs.back().place;
+}
 
 FitMarks FitTool::marks() const {
     FitMarks marks;
@@ -200,14 +203,11 @@ void FitTool::whenPulled(const std::shared_ptr<const LayerFit> &fit, const std::
             true);
     for (const std::string &remark : fitted->report.Remarks())
         say(remark, true);
-    if (std::getenv("FCD_TRACE"))
-        std::fprintf(stderr, "FCD trace: pulled: %d vertices, rms %g, matched %g\n", model->cm.vn, fitted->report.rms,
-                     fitted->report.matched);
+    trace("pulled: %d vertices, rms %g, matched %g", model->cm.vn, fitted->report.rms, fitted->report.matched);
 }
 
 void FitTool::follow(bool full) {
-    if (!session->isPrepared()) {
-        const auto fit = session->beginPreparing();
+    if (const auto fit = session->beginPreparing()) {
         const auto fitter = std::make_shared<std::shared_ptr<const vcg::fcd::Fitter>>();
         begin([fit, fitter](const vcg::fcd::Progress &progress) { *fitter = fit->prepare(progress); },
               [this, fit, fitter] {
@@ -220,15 +220,12 @@ void FitTool::follow(bool full) {
         isFollowWanted = true;
         return;
     }
-    QElapsedTimer watch;
-    watch.start();
+    const vcg::fcd::Stopwatch watch;
     session->follow(full);
-    const double solved = double(watch.nsecsElapsed()) / 1e6;
+    const double solved = 1000 * watch.Seconds();
     showVertices(full);
     showColors();
-    if (std::getenv("FCD_TRACE"))
-        std::fprintf(stderr, "FCD trace: follow: %d vertices, solve and write %.1f, in all %.1f ms\n", model->cm.vn,
-                     solved, double(watch.nsecsElapsed()) / 1e6);
+    trace("follow: %d vertices, solve and write %.1f, in all %.1f ms", model->cm.vn, solved, 1000 * watch.Seconds());
 }
 
 #include "edit_fcd/fit/tool/moc_fit_tool.cpp" // NOLINT(bugprone-suspicious-include)

@@ -15,7 +15,6 @@
 #include <memory>
 #include <optional>
 
-#include <QElapsedTimer>
 #include <QPointF>
 #include <QPointer>
 #include <QTimer>
@@ -66,6 +65,7 @@ class FitTool : public LayerTool {
     void chooseFiles(bool load);
     void setCurves(const std::string &file);
     void click();
+    void showPairs();
     void dragTo();
     bool place(bool isTarget);
     bool isTurnOfTarget() const;

@@ -52,16 +52,11 @@ void FitTool::open(MeshModel &newModel) {
         before = std::move(found->second);
         left.erase(found);
     }
-    if (before && before->isUpToDate()) {
-        session = std::move(before);
-    } else {
+    if (before && before->isUpToDate())
+        session.swap(before);
+    else
         session = std::make_unique<FitSession>(*view->md(), newModel);
-        if (before && before->isOfShape(session->restShape()))
-            session->resume(before->state());
-        else if (before)
-            session->setPairs(before->state().pairs);
-    }
-    const std::string wrong = session->takeKept();
+    const std::string wrong = session->goOn(before.get());
     if (!wrong.empty())
         say("The curves of the layer " + inQuotes(newModel) + " are left out: " + wrong, true);
     takeTarget(newModel);
@@ -75,14 +70,14 @@ void FitTool::open(MeshModel &newModel) {
 /// A layer that another run has pulled is pulled again, for what its shape does not tell: how near the target is.
 void FitTool::pullAsLeft() {
     const MeshModel *onto = layer() ? target() : nullptr;
-    if (onto && onto->label().toStdString() == session->targetName() && session->isAsLeft() &&
+    if (onto && onto->label().toStdString() == session->targetName && session->isAsLeft() &&
         session->state().shape == FitShape::Pulled && !session->pulled(*onto))
         reshape(true);
 }
 
 /// The target of a layer that was fitted before, by its name: another document may number it otherwise.
 void FitTool::takeTarget(const MeshModel &fitted) {
-    const std::string &name = session->targetName();
+    const std::string &name = session->targetName;
     const MeshModel *known = view->md()->getMesh(targetId);
     if (name.empty() || (known && known != &fitted && known->cm.vn > 0 && known->label().toStdString() == name))
         return;
@@ -251,7 +246,7 @@ void FitTool::showTargets() {
 void FitTool::onTarget() {
     targetId = panel->target();
     if (session && target())
-        session->setTargetName(target()->label().toStdString());
+        session->targetName = target()->label().toStdString();
     showLayers();
     showColors();
     if (isReady())

@@ -71,11 +71,14 @@ void drawCurves(const FitSession &session, const FitMarks &marks) {
     if (!lines)
         return;
     const PairDrawing drawing;
+    const RestGuard &rest = session.restShape();
     for (std::size_t c = 0; c < lines->curves.size(); ++c) {
         std::vector<Eigen::Vector3d> source;
         source.reserve(lines->curves[c].source.size());
-        for (std::size_t k = 0; k < lines->curves[c].source.size(); ++k)
-            source.push_back(session.cornerOf(c, k));
+        for (std::size_t k = 0; k < lines->curves[c].source.size(); ++k) { // it goes with the vertex nearest to it
+            const std::size_t slot = lines->nearest[c][k];
+            source.emplace_back(lines->curves[c].source[k] + session.positionOf(slot) - rest.world() * rest.at(slot));
+        }
         if (marks.showsTarget)
             drawLine(lines->curves[c].target, targetColor);
         if (marks.showsSource)

@@ -14,16 +14,13 @@ void WeightBrush::moveTo(const Eigen::Vector2d &to, double radius, const MeshMod
     const Eigen::Vector2d start = from.value_or(to);
     from = to;
     const SeenPart::IsIn isIn = [&](const Eigen::Vector2d &p) { return distanceToSegment(p, start, to) <= radius; };
-    const SeenPart part(seen, isIn, depth, session.diagonal());
+    const SeenPart part(seen, isIn, depth, session.restShape().diagonal());
     const Eigen::Affine3d world = matrixOf(on);
-    const auto found =
-        vcg::fcd::CollectInOrder<std::size_t>(vcg::fcd::Progress(), "Marking", vcg::fcd::Index(on.cm.vert.size()),
-                                              [&](vcg::fcd::Index i, std::vector<std::size_t> &seenThere) {
-                                                  const CVertexO &vertex = on.cm.vert[std::size_t(i)];
-                                                  if (!vertex.IsD() && part.has(world * toVector(vertex.cP())))
-                                                      seenThere.push_back(std::size_t(i));
-                                              });
-    session.paint(found, weight);
+    const auto isSeen = [&](std::size_t i) {
+        const CVertexO &vertex = on.cm.vert[i];
+        return !vertex.IsD() && part.has(world * toVector(vertex.cP()));
+    };
+    session.paint(slotsThat(on.cm.vert.size(), isSeen), weight);
 }
 
 std::vector<vcg::Color4b> colorsOfCarried(const FitWeights &weights) {
