@@ -38,6 +38,8 @@ Graph Joined(const std::vector<Eigen::Vector3d> &place, const std::vector<Eigen:
         for (std::size_t j = 0; j < n; ++j)
             if (j != i && normal[i].dot(normal[j]) >= turned)
                 other.emplace_back((place[i] - place[j]).squaredNorm(), j);
+        if (other.empty())
+            continue;
         const std::size_t its = std::min(some, other.size());
         std::partial_sort(other.begin(), other.begin() + std::ptrdiff_t(its), other.end());
         for (std::size_t k = 0; k < its; ++k) {
