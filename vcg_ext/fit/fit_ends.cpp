@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/fit/fit_ends.h>
 #include <vcg_ext/surface/surface_reach.h>
 
@@ -27,25 +28,21 @@ constexpr double unlike = 2;
 
 /// Places joined to those beside them. \param normal of each
 Graph Joined(const std::vector<Eigen::Vector3d> &place, const std::vector<Eigen::Vector3d> &normal) {
-    const std::size_t n = place.size(), some = std::min(joinedTo, n - 1);
-    std::vector<std::vector<Index>> list(n);
-    std::vector<std::pair<double, std::size_t>> other;
+    const PointTree<double> tree(place);
+    std::vector<std::vector<Index>> list(place.size());
+    std::vector<PointTree<double>::Neighbour> nearest;
     Graph graph;
-    graph.position.resize(3, Eigen::Index(n));
-    for (std::size_t i = 0; i < n; ++i) {
+    graph.position.resize(3, Eigen::Index(place.size()));
+    for (std::size_t i = 0; i < place.size(); ++i) {
         graph.position.col(Eigen::Index(i)) = place[i].cast<float>();
-        other.clear();
-        for (std::size_t j = 0; j < n; ++j)
-            if (j != i && normal[i].dot(normal[j]) >= turned)
-                other.emplace_back((place[i] - place[j]).squaredNorm(), j);
-        if (other.empty())
-            continue;
-        const std::size_t its = std::min(some, other.size());
-        std::partial_sort(other.begin(), other.begin() + std::ptrdiff_t(its), other.end());
-        for (std::size_t k = 0; k < its; ++k) {
-            list[i].push_back(Index(other[k].second));
-            list[other[k].second].push_back(Index(i));
-        }
+        tree.Nearest(place[i], 1 + 2 * joinedTo, nearest); // itself, and as many on the other side
+        std::size_t its = 0;
+        for (const auto &other : nearest)
+            if (const std::size_t j = std::size_t(other.point);
+                j != i && normal[i].dot(normal[j]) >= turned && its++ < joinedTo) {
+                list[i].push_back(Index(j));
+                list[j].push_back(Index(i));
+            }
     }
     for (std::vector<Index> &each : list) {
         std::sort(each.begin(), each.end());
