@@ -9,12 +9,14 @@ namespace {
 
 /// Whether no connected part of what is free has as much as a third of its area: not of its vertices, so that crumbs
 /// count as what they are.
-bool IsInParts(const SurfaceView &source, const Deformer &deformer) {
+bool IsInParts(const SurfaceView &source, const Deformer &deformer, const Progress &progress) {
     std::vector<Index> componentOf;
-    const Index parts = ConnectedComponents(deformer.Whole().surface.graph.adjacency, componentOf);
+    const Index parts = ConnectedComponents(deformer.Whole().surface.graph.adjacency, componentOf,
+                                            progress.Slice(0, 0.4), readingStage);
     std::vector<double> area(std::size_t(parts), 0);
     double all = 0;
     for (std::size_t f = 0; f < source.faces; ++f) {
+        progress.Slice(0.4, 1).Round(f, source.faces, readingStage);
         if (!source.IsFace(f) || deformer.slotTag[source.corner[3 * f]] != 1)
             continue;
         const auto at = [&](std::size_t k) {
@@ -37,8 +39,8 @@ Fitter::Fitter(const SurfaceView &source, const NormalOf &normal, const Handles 
     param.ValidateFit();
     if (std::count(handles.tag.begin(), handles.tag.end(), 1) == 0)
         throw BadInput("There is nothing to fit: no vertex is free. Mark the part that may bend with tag 1.");
-    deformer = PrepareDeformer(source, handles, param, progress.Slice(0, 0.7));
-    if (!source.isCloud && IsInParts(source, *deformer)) { // what joins its parts is that they lie beside each other
+    deformer = PrepareDeformer(source, handles, param, progress.Slice(0, 0.65));
+    if (!source.isCloud && IsInParts(source, *deformer, progress.Slice(0.65, 0.7))) { // what joins them is lying near
         SurfaceView points = source;
         points.faces = points.edges = 0;
         points.isCloud = true;
@@ -50,7 +52,7 @@ Fitter::Fitter(const SurfaceView &source, const NormalOf &normal, const Handles 
     if (sample.empty() && !nodeWeight.empty())
         throw BadInput("The weights of the surface are 0 wherever it is free, so nothing of it can be matched. Raise "
                        "them where it counts, up to 1.");
-    sampleNormal = NormalsAtNodes(source, normal, *deformer, sample);
+    sampleNormal = NormalsAtNodes(source, normal, *deformer, sample, progress.Slice(0.9, 1));
     progress(1, "Preparing the fit");
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/base/rotation_fit.h>
 #include <vcg_ext/fit.h>
+#include <vcg_ext/fit/one_sided.h>
 #include <vcg_ext/fit/fit_landmarks.h>
 #include <vcg_ext/fit/fit_start.h>
 #include <vcg_ext/fit/fit_system.h>
@@ -510,6 +511,32 @@ Shape Lumpy(int around) {
              0.1 * std::sin(11 * p[2] + 9 * p[0]) + 0.1 * std::sin(13 * p[1] - 8 * p[0] + 2)) *
             Vector3d(1.3 * p[0], p[1], 0.9 * p[2]);
     return ball;
+}
+
+// Of a large surface this takes a second, in which a fit can be cancelled.
+TEST(Fit, ComparingSidesCanBeCancelled) {
+    const int n = 100000;
+    Eigen::Matrix3Xd position(3, n);
+    std::vector<Corners> strip;
+    for (int i = 0; i < n; ++i) {
+        position.col(i) = Vector3d(i / 2, i % 2, 0);
+        if (i >= 2)
+            strip.push_back(i % 2 == 0 ? Corners{i - 2, i, i - 1} : Corners{i - 2, i - 1, i});
+    }
+    std::vector<Corners> triangle = strip;
+    std::size_t calls = 0;
+    {
+        const CallbackLog log;
+        MakeOneSided(position, triangle, log.Progress());
+        EXPECT_EQ(triangle, strip) << "it has one side already";
+        EXPECT_TRUE(std::is_sorted(log.percent.begin(), log.percent.end()));
+        calls = log.percent.size();
+    }
+    ASSERT_GE(calls, 4); // at the start of each loop, and after 65536 rounds
+    for (std::size_t call = 0; call < calls; ++call) {
+        const CallbackLog log(call);
+        EXPECT_THROW(MakeOneSided(position, triangle, log.Progress()), Cancelled);
+    }
 }
 
 /// A ball with five fingers that are \p apart times as far from each other as when they are spread, each turned at its

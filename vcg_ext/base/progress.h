@@ -62,6 +62,12 @@ class Progress {
         }
     }
 
+    /// The same now and then in a loop, for its round \p i of \p n.
+    void Round(std::size_t i, std::size_t n, const char *stage) const {
+        if (i % (1 << 16) == 0)
+            (*this)(double(i) / double(n), stage);
+    }
+
   private:
     ProgressCallback *callback = nullptr;
     double lo = 0, hi = 100;

@@ -135,7 +135,7 @@ std::vector<Index> EvenSample(const RegionDeformer &deformer, std::size_t wanted
 }
 
 std::vector<Eigen::Vector3d> NormalsAtNodes(const SurfaceView &mesh, const NormalOf &normal, const Deformer &deformer,
-                                            const std::vector<Index> &node) {
+                                            const std::vector<Index> &node, const Progress &progress) {
     const SurfaceGraph &surface = deformer.Whole().surface;
     std::vector<Index> number(std::size_t(surface.graph.Size()), -1);
     for (std::size_t i = 0; i < node.size(); ++i)
@@ -149,6 +149,7 @@ std::vector<Eigen::Vector3d> NormalsAtNodes(const SurfaceView &mesh, const Norma
     }
     std::vector<Corners> triangle;
     for (std::size_t f = 0; f < mesh.faces; ++f) {
+        progress.Slice(0, 0.2).Round(f, mesh.faces, readingStage);
         if (!mesh.IsFace(f))
             continue;
         Corners c;
@@ -158,7 +159,7 @@ std::vector<Eigen::Vector3d> NormalsAtNodes(const SurfaceView &mesh, const Norma
             triangle.push_back(c);
     }
     const Eigen::Matrix3Xd position = surface.graph.position.cast<double>();
-    MakeOneSided(position, triangle);
+    MakeOneSided(position, triangle, progress.Slice(0.2, 0.9));
     for (const Corners &c : triangle) {
         const Eigen::Vector3d p = position.col(c[0]), a = position.col(c[1]) - p, b = position.col(c[2]) - p;
         for (Index each : c)

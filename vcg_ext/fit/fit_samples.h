@@ -65,7 +65,7 @@ std::vector<Index> EvenSample(const RegionDeformer &deformer, std::size_t wanted
 
 /// The normals of the surface at nodes, from the faces, or where there are none, from \p normal; in the frame.
 std::vector<Eigen::Vector3d> NormalsAtNodes(const SurfaceView &mesh, const NormalOf &normal, const Deformer &deformer,
-                                            const std::vector<Index> &node);
+                                            const std::vector<Index> &node, const Progress &progress = {});
 
 } // namespace vcg::fcd
 

@@ -104,9 +104,9 @@ FitTarget::FitTarget(const SurfaceView &target, const std::function<Eigen::Vecto
     }
     if (isRead)
         isRead();
-    place = std::make_unique<NearestPlace>(position, std::move(triangle), flags, progress.Slice(0.7, 1));
+    place = std::make_unique<NearestPlace>(position, std::move(triangle), flags, progress.Slice(0.7, 0.9));
     if (!isCloud)
-        LookAround(); // only now: while a tree is built, it takes the most
+        LookAround(progress.Slice(0.9, 1)); // only now: while a tree is built, it takes the most
     for (std::size_t i = 0; i < flags.size(); ++i)
         if (flags[i] != 0)
             box.extend(position.col(Eigen::Index(i)));
@@ -115,7 +115,7 @@ FitTarget::FitTarget(const SurfaceView &target, const std::function<Eigen::Vecto
 /// The vertices at one place are one, so that a border is where the surface ends, and not where vertices are doubled.
 std::vector<Corners> FitTarget::ReadTriangles(const SurfaceView &target, const Eigen::Affine3d &toFrame,
                                               const WeightOf &weightOf, const Progress &progress) {
-    SurfaceGraph surface = BuildSurfaceGraph(target, progress.Slice(0, 0.7));
+    SurfaceGraph surface = BuildSurfaceGraph(target, progress.Slice(0, 0.5));
     const Index n = surface.graph.Size();
     const std::vector<Index> nodeOf = std::move(surface.nodeOf);
     surface = {}; // what joins the nodes takes as much as all that is read here
@@ -131,6 +131,7 @@ std::vector<Corners> FitTarget::ReadTriangles(const SurfaceView &target, const E
     std::vector<Corners> triangle;
     triangle.reserve(target.faces);
     for (std::size_t f = 0; f < target.faces; ++f) {
+        progress.Slice(0.5, 0.55).Round(f, target.faces, readingStage);
         if (!target.IsFace(f))
             continue;
         Corners c;
@@ -144,19 +145,21 @@ std::vector<Corners> FitTarget::ReadTriangles(const SurfaceView &target, const E
     }
     if (triangle.empty())
         throw BadInput("The target has no triangle with an area.");
-    MakeOneSided(position, triangle);
+    MakeOneSided(position, triangle, progress.Slice(0.55, 0.7));
     return triangle;
 }
 
 /// What the triangles tell of their corners, and of all together.
-void FitTarget::LookAround() {
+void FitTarget::LookAround(const Progress &progress) {
     const std::size_t n = std::size_t(position.cols());
     normal = Eigen::Matrix3Xf::Zero(3, position.cols());
     flags.assign(n, 0);
     // The exclusive or of the neighbours over the faces around a node: each inner one comes twice.
     std::vector<std::uint64_t> once(n, 0);
     const auto spread = [](Index i) { return (std::uint64_t(i) + 1) * 0x9E3779B97F4A7C15u; };
+    std::size_t seen = 0;
     for (const Corners &c : place->Triangles()) {
+        progress.Round(seen++, place->Triangles().size(), readingStage);
         const Eigen::Vector3d p = position.col(c[0]), one = position.col(c[1]) - p, other = position.col(c[2]) - p,
                               across = one.cross(other);
         moments.Add(p + (one + other) / 3, across.norm());

@@ -81,7 +81,7 @@ class FitTarget {
   private:
     std::vector<Corners> ReadTriangles(const SurfaceView &target, const Eigen::Affine3d &toFrame,
                                        const WeightOf &weightOf, const Progress &progress);
-    void LookAround();
+    void LookAround(const Progress &progress);
     void ReadPoints(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normal,
                     const Eigen::Affine3d &toFrame, const WeightOf &weightOf);
 

@@ -76,20 +76,25 @@ class Fans {
 
 } // namespace
 
-void MakeOneSided(const Eigen::Matrix3Xd &position, std::vector<Corners> &triangle) {
+void MakeOneSided(const Eigen::Matrix3Xd &position, std::vector<Corners> &triangle, const Progress &progress) {
+    const char *const stage = "Comparing sides";
     const std::size_t nodes = std::size_t(position.cols());
     {
         const Fans fans(nodes, triangle);
         std::vector<char> isRepeated(triangle.size());
-        for (std::size_t t = 0; t < triangle.size(); ++t)
+        for (std::size_t t = 0; t < triangle.size(); ++t) {
+            progress.Slice(0, 0.4).Round(t, triangle.size(), stage);
             isRepeated[t] = fans.IsRepeated(std::uint32_t(t));
+        }
         std::size_t kept = 0;
         for (std::size_t t = 0; t < triangle.size(); ++t)
             if (!isRepeated[t])
                 triangle[kept++] = triangle[t];
         triangle.resize(kept);
     }
+    progress(0.4, stage);
     const Fans fans(nodes, triangle);
+    std::size_t seen = 0;
     const auto at = [&](std::uint32_t t, int k) { return position.col(triangle[t][std::size_t(k)]); };
     const auto across = [&](std::uint32_t t) -> Eigen::Vector3d {
         return (at(t, 1) - at(t, 0)).cross(at(t, 2) - at(t, 0));
@@ -105,6 +110,7 @@ void MakeOneSided(const Eigen::Matrix3Xd &position, std::vector<Corners> &triang
         bool hasSides = true, isMixed = false;
         for (std::size_t i = 0; i < piece.size(); ++i) {
             const std::uint32_t t = piece[i];
+            progress.Slice(0.6, 1).Round(seen++, triangle.size(), stage);
             for (std::size_t k = 0; k < 3; ++k) {
                 bool against = false;
                 const std::uint32_t other = fans.Beside(t, triangle[t][k], triangle[t][(k + 1) % 3], against);

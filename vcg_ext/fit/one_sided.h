@@ -4,6 +4,8 @@
 
 #include <vcg_ext/base/graph.h>
 
+#include <vcg_ext/base/progress.h>
+
 #include <Eigen/Core>
 #include <array>
 #include <vector>
@@ -17,8 +19,8 @@ using Corners = std::array<Index, 3>;
 /// to the side to which those beside it do. Of a piece that hangs together by edges of two triangles, the side is that
 /// of most of its area; where less than three quarters of it agree, that which is outwards. What has one side already
 /// keeps its bits, and so does a piece that has none, as a Moebius strip.
-/// \param position 3 x nodes \param triangle of three different nodes each
-void MakeOneSided(const Eigen::Matrix3Xd &position, std::vector<Corners> &triangle);
+/// \param position 3 x nodes \param triangle of three different nodes each \throw Cancelled
+void MakeOneSided(const Eigen::Matrix3Xd &position, std::vector<Corners> &triangle, const Progress &progress = {});
 
 } // namespace vcg::fcd
 
