@@ -15,8 +15,9 @@ bool IsInParts(const SurfaceView &source, const Deformer &deformer, const Progre
                                             progress.Slice(0, 0.4), readingStage);
     std::vector<double> area(std::size_t(parts), 0);
     double all = 0;
+    const Progress adding = progress.Slice(0.4, 1);
     for (std::size_t f = 0; f < source.faces; ++f) {
-        progress.Slice(0.4, 1).Round(f, source.faces, readingStage);
+        adding.Round(f, source.faces, readingStage);
         if (!source.IsFace(f) || deformer.slotTag[source.corner[3 * f]] != 1)
             continue;
         const auto at = [&](std::size_t k) {

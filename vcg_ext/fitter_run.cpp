@@ -33,9 +33,9 @@ constexpr double aLimb = 0.01;
 // formula had 0.36 and more where they lay turned, and 0.19 (a hand with touching fingers) where they lay right.
 constexpr double pressed = 0.25, farLess = 0.5;
 
-// Ends of limbs are looked for among so many places of each surface, which are some hundredths of the diagonal apart;
-// what is off by more than some of these lies elsewhere. They lead for half of the way: by then it is near, and what
-// lies beside them tells better.
+// Ends of limbs are looked for among so many places of each surface, which are about a hundredth of the diagonal apart:
+// an end is told to two of these, and what is off by five lies elsewhere. They lead for half of the way: by then it is
+// near, and what lies beside them tells better.
 constexpr std::size_t endPlaces = 6000;
 constexpr double endSpacing = 0.02, endElsewhere = 0.05, endsLead = 0.5;
 
@@ -149,8 +149,8 @@ bool Fitter::Run::FindEnds() {
 
 /// Takes the fit that ends of limbs lead at first, if more of the surface lies on the target so, less strained.
 void Fitter::Run::TryEnds(const Progress &progress) {
-    const double strained = StrainOf(region, graph), on = OnIt();
     if (fitter.MayBegin(report, isLed) && FindEnds()) {
+        const double strained = StrainOf(region, graph), on = OnIt();
         Kept without = SetAside();
         Draw(progress);
         report.endsLed = ends.size();
@@ -176,10 +176,11 @@ void Fitter::Run::TryBothWays(const Progress &progress) {
 void Fitter::Run::Lay(const Progress &progress) {
     ends.clear();
     Draw(progress.Slice(0, 0.4));
-    if (matches->Unreached() > mostUnreached)
+    if (matches->Unreached() > mostUnreached) {
         TryEnds(progress.Slice(0.4, 0.6));
-    if (!param.bothWays && matches->Unreached() > mostUnreached)
-        TryBothWays(progress.Slice(0.6, 0.9));
+        if (!param.bothWays && matches->Unreached() > mostUnreached)
+            TryBothWays(progress.Slice(0.6, 0.9));
+    }
     StiffenGaps(Settle(progress), progress);
 }
 

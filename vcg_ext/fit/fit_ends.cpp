@@ -125,9 +125,8 @@ std::vector<LimbEnd> EndsOfLimbs(const std::vector<Eigen::Vector3d> &place,
                                  const std::vector<Eigen::Vector3d> &normal) {
     const Graph graph = Joined(place, normal);
     // Farthest points (Gonzalez 1985), from an end of the part that the middle place is in: they are spread evenly.
-    std::vector<double> mean(place.size(), 0), least = FarFrom(Index(place.size() / 2), graph);
-    Index source = Largest(least);
-    least = FarFrom(source, graph);
+    std::vector<double> mean(place.size(), 0), least(place.size(), unreached);
+    Index source = Largest(FarFrom(Index(place.size() / 2), graph));
     for (std::size_t k = 0; k < sources; ++k) {
         const std::vector<double> far = FarFrom(source, graph);
         for (std::size_t i = 0; i < place.size(); ++i) {

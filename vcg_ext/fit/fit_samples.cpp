@@ -148,8 +148,9 @@ std::vector<Eigen::Vector3d> NormalsAtNodes(const SurfaceView &mesh, const Norma
                 sum[std::size_t(number[std::size_t(u)])] = turn * normal(i);
     }
     std::vector<Corners> triangle;
+    const Progress reading = progress.Slice(0, 0.2);
     for (std::size_t f = 0; f < mesh.faces; ++f) {
-        progress.Slice(0, 0.2).Round(f, mesh.faces, readingStage);
+        reading.Round(f, mesh.faces, readingStage);
         if (!mesh.IsFace(f))
             continue;
         Corners c;

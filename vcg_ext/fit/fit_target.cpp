@@ -130,8 +130,9 @@ std::vector<Corners> FitTarget::ReadTriangles(const SurfaceView &target, const E
         }
     std::vector<Corners> triangle;
     triangle.reserve(target.faces);
+    const Progress reading = progress.Slice(0.5, 0.55);
     for (std::size_t f = 0; f < target.faces; ++f) {
-        progress.Slice(0.5, 0.55).Round(f, target.faces, readingStage);
+        reading.Round(f, target.faces, readingStage);
         if (!target.IsFace(f))
             continue;
         Corners c;

@@ -82,8 +82,9 @@ void MakeOneSided(const Eigen::Matrix3Xd &position, std::vector<Corners> &triang
     {
         const Fans fans(nodes, triangle);
         std::vector<char> isRepeated(triangle.size());
+        const Progress looking = progress.Slice(0, 0.4);
         for (std::size_t t = 0; t < triangle.size(); ++t) {
-            progress.Slice(0, 0.4).Round(t, triangle.size(), stage);
+            looking.Round(t, triangle.size(), stage);
             isRepeated[t] = fans.IsRepeated(std::uint32_t(t));
         }
         std::size_t kept = 0;
@@ -93,6 +94,7 @@ void MakeOneSided(const Eigen::Matrix3Xd &position, std::vector<Corners> &triang
         triangle.resize(kept);
     }
     progress(0.4, stage);
+    const Progress turning = progress.Slice(0.6, 1);
     const Fans fans(nodes, triangle);
     std::size_t seen = 0;
     const auto at = [&](std::uint32_t t, int k) { return position.col(triangle[t][std::size_t(k)]); };
@@ -110,7 +112,7 @@ void MakeOneSided(const Eigen::Matrix3Xd &position, std::vector<Corners> &triang
         bool hasSides = true, isMixed = false;
         for (std::size_t i = 0; i < piece.size(); ++i) {
             const std::uint32_t t = piece[i];
-            progress.Slice(0.6, 1).Round(seen++, triangle.size(), stage);
+            turning.Round(seen++, triangle.size(), stage);
             for (std::size_t k = 0; k < 3; ++k) {
                 bool against = false;
                 const std::uint32_t other = fans.Beside(t, triangle[t][k], triangle[t][(k + 1) % 3], against);
