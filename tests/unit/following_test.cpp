@@ -122,8 +122,10 @@ TEST(GraphHessian, IsTheDerivativeOfTheEnergy) {
     const Eigen::Index size = hessian.Gradient().size();
     ASSERT_GT(size, 100);
     for (int n = 0; n < 10; ++n) {
-        const Eigen::VectorXd way = Eigen::VectorXd::NullaryExpr(
+        Eigen::VectorXd way = Eigen::VectorXd::NullaryExpr(
             size, [&](Eigen::Index) { return std::uniform_real_distribution<double>(-1, 1)(random); });
+        for (std::size_t b = unknown.position.size(); b < unknown.rotation.size(); ++b) // their position is given
+            way.segment<3>(6 * Eigen::Index(b)).setZero();
         const double h = 1e-5;
         const auto moved = [&](double by) {
             detail::GraphEnergy::State y = x;

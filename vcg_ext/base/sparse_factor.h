@@ -10,6 +10,17 @@
 
 namespace vcg::fcd::detail {
 
+/// What a factorisation does with the entries of its matrix.
+template <class Entry>
+struct EntryArithmetic;
+template <>
+struct EntryArithmetic<double> {
+    static void Clear(double &y) { y = 0; }
+    static void TakeProduct(double &y, double l, double yi) { y -= l * yi; } ///< for blocks yi l^T
+    static double Over(double yi, double d) { return yi / d; }
+    static bool Invert(double d) { return d != 0; } ///< makes d ready for Over \return whether that can be
+};
+
 /// L D L^T of a sparse symmetric matrix; only the lower triangle is read. It has the bits of Eigen's, can be cancelled
 /// between rows, and is not begun where it would take too long. A graph on a surface takes some 10^4 steps a row; a
 /// complete graph takes as many as the square of the number of rows.
@@ -42,26 +53,43 @@ class SparseFactor : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> {
     bool Factorise(const Matrix &matrix, const Progress &progress, const char *stage) {
         Matrix a(matrix.rows(), matrix.cols());
         a.selfadjointView<Eigen::Upper>() = matrix.selfadjointView<Eigen::Lower>().twistedBy(m_P);
-        const auto n = StorageIndex(a.rows());
-        const StorageIndex *begin = m_matrix.outerIndexPtr();
-        StorageIndex *row = m_matrix.innerIndexPtr();
-        double *value = m_matrix.valuePtr();
-        std::vector<double> y(std::size_t(n), 0); // the row that is computed
-        std::vector<StorageIndex> pattern(std::size_t(n), 0), tag(std::size_t(n), -1);
-        m_diag.resize(n);
+        m_diag.resize(a.rows());
         m_factorizationIsOk = true;
-        m_info = Eigen::Success;
+        const bool isRegular = FactoriseRows(
+            m_matrix.valuePtr(), m_diag.data(),
+            [&](StorageIndex k, const auto &add) {
+                for (Matrix::InnerIterator it(a, k); it; ++it)
+                    if (it.index() <= k)
+                        add(it.index(), it.value());
+            },
+            progress, stage);
+        m_info = isRegular ? Eigen::Success : Eigen::NumericalIssue;
+        return isRegular;
+    }
+
+  protected:
+    /// Row by row, of entries that are numbers or square blocks of them.
+    /// \param value of L below its unit diagonal, as the pattern has room for \param diagonal n, of D
+    /// \param row row(k, add) calls add(i, A_ki) for the entries of row k with i <= k
+    template <class Entry, class Row>
+    bool FactoriseRows(Entry *value, Entry *diagonal, const Row &row, const Progress &progress, const char *stage) {
+        using Arithmetic = EntryArithmetic<Entry>;
+        const auto n = StorageIndex(m_matrix.cols());
+        const StorageIndex *begin = m_matrix.outerIndexPtr();
+        StorageIndex *inner = m_matrix.innerIndexPtr();
+        std::vector<Entry> y(static_cast<std::size_t>(n)); // the row that is computed
+        for (Entry &each : y)
+            Arithmetic::Clear(each);
+        std::vector<StorageIndex> pattern(std::size_t(n), 0), tag(std::size_t(n), -1);
+        const std::size_t often = (1 << 24) / (sizeof(Entry) / sizeof(double)); // steps, about 20 ms
         std::size_t done = 0;
         for (StorageIndex k = 0; k < n; ++k) {
             // Where the row is not 0: what its entries lead to in the elimination tree, in an order for computing.
             StorageIndex top = n;
             tag[k] = k;
             m_nonZerosPerCol[k] = 0;
-            for (Matrix::InnerIterator it(a, k); it; ++it) {
-                StorageIndex i = it.index();
-                if (i > k)
-                    continue;
-                y[i] += it.value();
+            row(k, [&](StorageIndex i, const Entry &a) {
+                y[i] += a;
                 StorageIndex length = 0;
                 for (; tag[i] != k; i = m_parent[i]) {
                     pattern[length++] = i;
@@ -69,17 +97,17 @@ class SparseFactor : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> {
                 }
                 while (length > 0)
                     pattern[--top] = pattern[--length];
-            }
-            double d = y[k];
-            y[k] = 0;
+            });
+            diagonal[k] = y[k];
+            Arithmetic::Clear(y[k]);
             for (; top < n; ++top) {
                 const StorageIndex i = pattern[top], end = begin[i] + m_nonZerosPerCol[i];
-                const double yi = y[i], l = yi / m_diag[i];
-                y[i] = 0;
+                const Entry yi = y[i], l = Arithmetic::Over(yi, diagonal[i]);
+                Arithmetic::Clear(y[i]);
                 for (StorageIndex p = begin[i]; p < end; ++p)
-                    y[row[p]] -= value[p] * yi;
-                d -= l * yi;
-                row[end] = k;
+                    Arithmetic::TakeProduct(y[inner[p]], value[p], yi);
+                Arithmetic::TakeProduct(diagonal[k], l, yi);
+                inner[end] = k;
                 value[end] = l;
                 ++m_nonZerosPerCol[i];
                 done += std::size_t(end - begin[i]);
@@ -88,18 +116,13 @@ class SparseFactor : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> {
                     progress(double(k) / double(n), stage);
                 }
             }
-            m_diag[k] = d;
-            if (d == 0) {
-                m_info = Eigen::NumericalIssue;
+            if (!Arithmetic::Invert(diagonal[k]))
                 return false;
-            }
         }
         return true;
     }
 
   private:
-    static constexpr std::size_t often = 1 << 24; // steps, about 20 ms
-
     /// As Eigen finds the pattern of L, without room for it.
     static double WorkFor(const Matrix &a, double limit) {
         const auto n = StorageIndex(a.rows());

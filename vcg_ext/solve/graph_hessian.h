@@ -3,117 +3,63 @@
 #define VCG_FCD_GRAPH_HESSIAN_H
 
 #include <vcg_ext/base/rotation_vector.h>
-#include <vcg_ext/base/sparse_factor.h>
+#include <vcg_ext/base/block_factor.h>
 #include <vcg_ext/solve/graph_energy.h>
 #include <vcg_ext/solve/graph_unknowns.h>
 
 #include <Eigen/Core>
-#include <Eigen/SparseCore>
 #include <algorithm>
 #include <vector>
 
 namespace vcg::fcd::detail {
 
-/// Gradient and Hessian of the energy, factorised. The unknowns of each node are the step of its position and the
-/// rotation vector of its further turn (along the axis, as long as the angle). Constrained positions and given
-/// rotations are no unknowns.
+/// Gradient and Hessian of the energy, factorised. Each node with an unknown has a block of six: the step of its
+/// position, and the rotation vector of its further turn (along the axis, as long as the angle). The step of a given
+/// position is 0.
 class GraphHessian {
   public:
     using State = GraphEnergy::State;
 
-    explicit GraphHessian(const GraphUnknowns &unknown, Index nodes)
-        : unknown(unknown), position(nodes, -1), rotation(nodes, -1) {
-        std::vector<char> turns(nodes, 0);
-        for (Index i : unknown.rotation)
-            turns[i] = 1;
-        for (Index i = 0; i < nodes; ++i) {
-            if (unknown.numberOf[i] >= 0)
-                position[i] = size, size += 3;
-            if (turns[i])
-                rotation[i] = size, size += 3;
-        }
+    explicit GraphHessian(const GraphUnknowns &unknown, Index nodes) : unknown(unknown), blockOf(nodes, -1) {
+        for (std::size_t b = 0; b < unknown.rotation.size(); ++b)
+            blockOf[unknown.rotation[b]] = Index(b);
     }
 
     /// \return whether it could be factorised, in a time that is worth it \throw Cancelled
     bool Factorise(const GraphEnergy &energy, const State &x, const GraphEnergy::PoseTerms &given,
                    const Progress &progress = {}) {
-        gradient = Eigen::VectorXd::Zero(size);
-        std::vector<Eigen::Triplet<double>> entries;
-        const auto add = [&](Index row, Index column, const Eigen::Matrix3d &block) {
-            if (row < 0 || column < 0)
-                return;
-            for (int r = 0; r < 3; ++r)
-                for (int c = 0; c < 3; ++c)
-                    if (row + r >= column + c)
-                        entries.emplace_back(row + r, column + c, block(r, c));
-        };
-        const auto addBoth = [&](Index a, Index b, const Eigen::Matrix3d &block) { // of the lower triangle
-            a > b ? add(a, b, block) : add(b, a, block.transpose());
-        };
-        const auto pull = [&](Index at, const Eigen::Vector3d &g) {
-            if (at >= 0)
-                gradient.segment<3>(at) += g;
-        };
-        const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
-        energy.ForEachEdge(
-            x, given, [&](Index i, Index j, double w, const Eigen::Vector3d &way, const Eigen::Vector3d(&turned)[2]) {
-                const Index node[2] = {i, j};
-                const Eigen::Vector3d force = 2 * w * (2 * way - turned[0] - turned[1]);
-                pull(position[i], force);
-                pull(position[j], -force);
-                add(position[i], position[i], 4 * w * one);
-                add(position[j], position[j], 4 * w * one);
-                if (position[i] >= 0 && position[j] >= 0)
-                    addBoth(position[i], position[j], -4 * w * one);
-                for (int end = 0; end < 2; ++end) {
-                    const Index at = rotation[node[end]];
-                    if (at < 0)
-                        continue;
-                    const Eigen::Vector3d &u = turned[end];
-                    pull(at, -2 * w * u.cross(way));
-                    add(at, at, w * (2 * way.dot(u) * one - way * u.transpose() - u * way.transpose()));
-                    if (position[i] >= 0)
-                        addBoth(position[i], at, 2 * w * CrossMatrix(u));
-                    if (position[j] >= 0)
-                        addBoth(position[j], at, -2 * w * CrossMatrix(u));
-                }
-            });
-        energy.ForEachTwist(x, given, [&](Index i, Index j, double w, const Eigen::Matrix3d &m) {
-            // - 2 w tr(m), m = R_j R_i^T; j < 0: of the anchor
-            const Index b = j < 0 ? -1 : rotation[j], a = rotation[i];
-            const Eigen::Vector3d axial(m(1, 2) - m(2, 1), m(2, 0) - m(0, 2), m(0, 1) - m(1, 0));
-            pull(a, 2 * w * axial);
-            pull(b, -2 * w * axial);
-            const Eigen::Matrix3d own = -2 * w * (0.5 * (m + m.transpose()) - m.trace() * one);
-            add(a, a, own);
-            add(b, b, own);
-            if (a >= 0 && b >= 0)
-                addBoth(a, b, -2 * w * (m.trace() * one - m));
-        });
-        hessian.resize(size, size);
-        hessian.setFromTriplets(entries.begin(), entries.end());
+        gradient = Eigen::VectorXd::Zero(width * Eigen::Index(unknown.rotation.size()));
+        hessian.diagonal.assign(unknown.rotation.size(), Block::Zero());
+        hessian.where.clear();
+        hessian.beside.clear();
+        AddEdges(energy, x, given);
+        AddTwists(energy, x, given);
+        for (std::size_t b = unknown.position.size(); b < unknown.rotation.size(); ++b) { // given positions
+            hessian.diagonal[b].topRows<3>().setIdentity();
+            hessian.diagonal[b].leftCols<3>().setIdentity();
+            gradient.segment<3>(width * Eigen::Index(b)).setZero();
+        }
         if (!isAnalysed)
-            isWorthwhile = factor.Analyse(hessian, SparseFactor::Worthwhile(size));
+            isWorthwhile = factor.Analyse(hessian, SparseFactor::Worthwhile(gradient.size()));
         isAnalysed = true;
-        return isWorthwhile && factor.Factorise(hessian, progress, "Deforming the graph") &&
-               factor.vectorD().allFinite();
+        return isWorthwhile && factor.Factorise(hessian, progress, "Deforming the graph");
     }
 
     /// How many directions there are in which the energy falls off to both sides.
-    Index Falling() const { return Index((factor.vectorD().array() < 0).count()); }
+    Index Falling() const { return factor.Negative(); }
 
     /// Newton's step from where it was factorised.
-    Eigen::VectorXd Newton() const { return factor.solve(-gradient); }
-    Eigen::VectorXd Solve(const Eigen::VectorXd &right) const { return factor.solve(right); }
-    Eigen::VectorXd Times(const Eigen::VectorXd &way) const { return hessian.selfadjointView<Eigen::Lower>() * way; }
+    Eigen::VectorXd Newton() const { return factor.Solve(-gradient); }
+    Eigen::VectorXd Solve(const Eigen::VectorXd &right) const { return factor.Solve(right); }
+    Eigen::VectorXd Times(const Eigen::VectorXd &way) const { return hessian * way; }
     const Eigen::VectorXd &Gradient() const { return gradient; }
 
     /// Goes \p step on from \p x.
     void Move(State &x, const Eigen::VectorXd &step) const {
         for (Index i : unknown.position)
-            x.position.col(i) += step.segment<3>(position[i]);
+            x.position.col(i) += Moved(step, i);
         for (Index i : unknown.rotation) {
-            const Eigen::Vector3d turn = step.segment<3>(rotation[i]);
+            const Eigen::Vector3d turn = Turned(step, i);
             if (turn.isZero(0))
                 continue;
             x.rotation[i] = RotationBy(turn) * x.rotation[i];
@@ -122,34 +68,97 @@ class GraphHessian {
         }
     }
     double LargestTurn(const Eigen::VectorXd &step) const {
-        return Largest(step, unknown.rotation, rotation, [](Index) { return true; });
+        double most = 0;
+        for (Index i : unknown.rotation)
+            most = std::max(most, Turned(step, i).norm());
+        return most;
     }
     /// Of nodes whose position is given.
     double LargestTurnOfGiven(const Eigen::VectorXd &step) const {
-        return Largest(step, unknown.rotation, rotation, [&](Index i) { return unknown.constrained[i] != 0; });
+        double most = 0;
+        for (Index i : unknown.rotation)
+            if (unknown.constrained[i])
+                most = std::max(most, Turned(step, i).norm());
+        return most;
     }
     double LargestMove(const Eigen::VectorXd &step) const {
-        return Largest(step, unknown.position, position, [](Index) { return true; });
-    }
-
-  private:
-    template <class Counts>
-    static double Largest(const Eigen::VectorXd &step, const std::vector<Index> &node, const std::vector<Index> &at,
-                          const Counts &counts) {
         double most = 0;
-        for (Index i : node)
-            if (counts(i))
-                most = std::max(most, step.segment<3>(at[i]).norm());
+        for (Index i : unknown.position)
+            most = std::max(most, Moved(step, i).norm());
         return most;
     }
 
+  private:
+    static constexpr int width = BlockMatrix::width;
+    using Block = BlockMatrix::Block;
+
+    Eigen::Vector3d Moved(const Eigen::VectorXd &step, Index i) const { return step.segment<3>(width * blockOf[i]); }
+    Eigen::Vector3d Turned(const Eigen::VectorXd &step, Index i) const {
+        return step.segment<3>(width * blockOf[i] + 3);
+    }
+
+    void AddEdges(const GraphEnergy &energy, const State &x, const GraphEnergy::PoseTerms &given) {
+        const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
+        energy.ForEachEdge(
+            x, given, [&](Index i, Index j, double w, const Eigen::Vector3d &way, const Eigen::Vector3d(&turned)[2]) {
+                const Index block[2] = {blockOf[i], blockOf[j]};
+                const Eigen::Vector3d force = 2 * w * (2 * way - turned[0] - turned[1]);
+                for (int end = 0; end < 2; ++end) {
+                    if (block[end] < 0)
+                        continue;
+                    const double sign = end == 0 ? 1 : -1;
+                    const Eigen::Vector3d &u = turned[end];
+                    gradient.segment<3>(width * block[end]) += sign * force;
+                    gradient.segment<3>(width * block[end] + 3) -= 2 * w * u.cross(way);
+                    Block &own = hessian.diagonal[std::size_t(block[end])];
+                    own.topLeftCorner<3, 3>() += 4 * w * one;
+                    own.bottomRightCorner<3, 3>() +=
+                        w * (2 * way.dot(u) * one - way * u.transpose() - u * way.transpose());
+                    const Eigen::Matrix3d mixed = sign * 2 * w * CrossMatrix(u);
+                    own.topRightCorner<3, 3>() += mixed;
+                    own.bottomLeftCorner<3, 3>() += mixed.transpose();
+                }
+                if (block[0] < 0 || block[1] < 0)
+                    return;
+                Block both = Block::Zero();
+                both.topLeftCorner<3, 3>() = -4 * w * one;
+                both.topRightCorner<3, 3>() = 2 * w * CrossMatrix(turned[1]);
+                both.bottomLeftCorner<3, 3>() = 2 * w * CrossMatrix(turned[0]);
+                if (unknown.constrained[i])
+                    both.topRows<3>().setZero();
+                if (unknown.constrained[j])
+                    both.leftCols<3>().setZero();
+                hessian.where.emplace_back(block[0], block[1]);
+                hessian.beside.push_back(both);
+            });
+    }
+
+    /// \pre AddEdges: the pairs come in the same order
+    void AddTwists(const GraphEnergy &energy, const State &x, const GraphEnergy::PoseTerms &given) {
+        std::size_t p = 0;
+        energy.ForEachTwist(x, given, [&](Index i, Index j, double w, const Eigen::Matrix3d &m) {
+            // - 2 w tr(m), m = R_j R_i^T; j < 0: of the anchor
+            const Index block[2] = {blockOf[i], j < 0 ? -1 : blockOf[j]};
+            const Eigen::Vector3d axial(m(1, 2) - m(2, 1), m(2, 0) - m(0, 2), m(0, 1) - m(1, 0));
+            const Eigen::Matrix3d trace = m.trace() * Eigen::Matrix3d::Identity();
+            for (int end = 0; end < 2; ++end) {
+                if (block[end] < 0)
+                    continue;
+                gradient.segment<3>(width * block[end] + 3) += (end == 0 ? 2 : -2) * w * axial;
+                hessian.diagonal[std::size_t(block[end])].bottomRightCorner<3, 3>() -=
+                    2 * w * (0.5 * (m + m.transpose()) - trace);
+            }
+            if (block[0] >= 0 && block[1] >= 0)
+                hessian.beside[p++].bottomRightCorner<3, 3>() = -2 * w * (trace - m);
+        });
+    }
+
     const GraphUnknowns &unknown;
-    std::vector<Index> position, rotation; // k, where those of a node begin; -1 where they are given
-    Index size = 0;
+    std::vector<Index> blockOf; // k, -1 where all is given
     Eigen::VectorXd gradient;
-    Eigen::SparseMatrix<double> hessian; // its lower triangle
+    BlockMatrix hessian;
     bool isAnalysed = false, isWorthwhile = false;
-    SparseFactor factor;
+    BlockFactor factor;
 };
 
 } // namespace vcg::fcd::detail
