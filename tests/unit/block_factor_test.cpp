@@ -6,8 +6,8 @@
 
 using namespace vcg::fcd;
 using namespace fcd_test;
-using vcg::fcd::detail::BlockFactor;
-using vcg::fcd::detail::BlockMatrix;
+using BlockFactor = vcg::fcd::detail::BlockFactor<6>;
+using BlockMatrix = vcg::fcd::detail::BlockMatrix<6>;
 using vcg::fcd::detail::SparseFactor;
 
 /// \p shift of the diagonal: 20 for a positive definite matrix, 0 for none of that
@@ -49,6 +49,9 @@ TEST(BlockFactor, SolvesAndTellsHowManyDirectionsFall) {
                 ASSERT_TRUE(factor.Factorise(matrix, {}, "stage"));
                 const Eigen::VectorXd right = Eigen::VectorXd::LinSpaced(dense.cols(), -1, 2);
                 EXPECT_LE((matrix * factor.Solve(right) - right).norm(), 1e-9 * right.norm());
+                Eigen::MatrixX2d both(right.size(), 2);
+                both << right, right.cwiseAbs();
+                EXPECT_TRUE(factor.Solve(both).col(0).isApprox(factor.Solve(right), 1e-12));
             }
             const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(dense).eigenvalues();
             EXPECT_EQ(factor.Negative(), Index((values.array() < 0).count()));

@@ -13,15 +13,15 @@
 
 namespace vcg::fcd::detail {
 
-/// A sparse symmetric matrix of n x n blocks.
+/// A sparse symmetric matrix of n x n blocks, each \p width x \p width.
+template <int width>
 struct BlockMatrix {
-    static constexpr int width = 6; ///< of a block
     using Block = Eigen::Matrix<double, width, width>;
 
-    /// The values of block row \p b in a vector.
+    /// Block row \p b of a vector, or of several side by side.
     template <class Vector>
     static auto RowOf(Vector &x, Index b) {
-        return x.template segment<width>(width * b);
+        return x.template middleRows<width>(width * b);
     }
 
     std::vector<Block> diagonal;                ///< n, symmetric
@@ -40,9 +40,9 @@ struct BlockMatrix {
     }
 };
 
-template <>
-struct EntryArithmetic<BlockMatrix::Block> {
-    using Block = BlockMatrix::Block;
+template <int width>
+struct EntryArithmetic<Eigen::Matrix<double, width, width>> {
+    using Block = Eigen::Matrix<double, width, width>;
     static void Clear(Block &y) { y.setZero(); }
     static void TakeProduct(Block &y, const Block &l, const Block &yi) { y.noalias() -= yi * l.transpose(); }
     static Block Over(const Block &yi, const Block &inverse) { return yi * inverse; }
@@ -53,9 +53,12 @@ struct EntryArithmetic<BlockMatrix::Block> {
 };
 
 /// L D L^T of such a matrix, by blocks: some times as fast as by numbers, where most entries of a block are not 0.
+template <int width>
 class BlockFactor : private SparseFactor {
   public:
-    using Block = BlockMatrix::Block;
+    using BlockMatrix = detail::BlockMatrix<width>;
+    using Block = typename BlockMatrix::Block;
+
     /// \param limit multiplications \return whether no more are needed; only then it may be factorised
     bool Analyse(const BlockMatrix &matrix, double limit) {
         const auto n = Index(matrix.diagonal.size());
@@ -66,7 +69,7 @@ class BlockFactor : private SparseFactor {
             entries.emplace_back(std::max(row, column), std::min(row, column), 1);
         Matrix pattern(n, n);
         pattern.setFromTriplets(entries.begin(), entries.end());
-        if (!SparseFactor::Analyse(pattern, limit / (BlockMatrix::width * BlockMatrix::width * BlockMatrix::width)))
+        if (!SparseFactor::Analyse(pattern, limit / (width * width * width)))
             return false;
         rows.assign(std::size_t(n), {});
         for (std::size_t p = 0; p < matrix.where.size(); ++p) {
@@ -99,9 +102,11 @@ class BlockFactor : private SparseFactor {
         return Index(count);
     }
 
-    Eigen::VectorXd Solve(const Eigen::VectorXd &right) const {
+    /// \param right a vector, or several side by side
+    template <class Vector>
+    Vector Solve(const Vector &right) const {
         const auto n = Index(inverse.size());
-        Eigen::VectorXd x(right.size());
+        Vector x(right.rows(), right.cols());
         for (Index b = 0; b < n; ++b)
             BlockMatrix::RowOf(x, Place(b)) = BlockMatrix::RowOf(right, b);
         for (Index c = 0; c < n; ++c)
@@ -113,7 +118,7 @@ class BlockFactor : private SparseFactor {
                 BlockMatrix::RowOf(x, c) -= l.transpose() * BlockMatrix::RowOf(x, row);
             });
         }
-        Eigen::VectorXd result(right.size());
+        Vector result(right.rows(), right.cols());
         for (Index b = 0; b < n; ++b)
             BlockMatrix::RowOf(result, b) = BlockMatrix::RowOf(x, Place(b));
         return result;

@@ -36,17 +36,10 @@ AffineDeformer::AffineDeformer(const DeformationGraph &graph, const std::vector<
         const double its = energy.TurningMass(i);
         mass.push_back(its > 0 ? its : 1); // without edges, all is left open
     }
-    map.assign(std::size_t(k), -1);
-    place.assign(std::size_t(k), -1);
-    for (Index i : unknown.rotation)
-        map[std::size_t(i)] = 0;
-    for (Index i = 0; i < k; ++i) {
-        if (map[std::size_t(i)] == 0)
-            map[std::size_t(i)] = size, size += 3;
-        if (unknown.numberOf[std::size_t(i)] >= 0)
-            place[std::size_t(i)] = size++;
-    }
-    if (size == 0)
+    blockOf.assign(std::size_t(k), -1);
+    for (std::size_t b = 0; b < unknown.rotation.size(); ++b)
+        blockOf[std::size_t(unknown.rotation[b])] = Index(b);
+    if (unknown.rotation.empty())
         return;
     const std::vector<Eigen::Affine3d> still(std::size_t(k), Eigen::Affine3d::Identity());
     const Eigen::Affine3d common = Eigen::Affine3d::Identity();
@@ -72,48 +65,53 @@ void AffineDeformer::ForTerms(const Stretch &stretch, const Bend &bend) const {
         }
 }
 
+/// Of node \p i's four numbers in x_i - x_j - A_end e, a row each coordinate. \param sign 1 for i, -1 for j
+Eigen::Vector4d AffineDeformer::Coefficients(Index i, Index end, double sign, const Eigen::Vector3d &way) const {
+    Eigen::Vector4d c = Eigen::Vector4d::Zero();
+    c[0] = unknown.constrained[std::size_t(i)] ? 0 : sign;
+    if (i == end)
+        c.tail<3>() = -way;
+    return c;
+}
+
 void AffineDeformer::Factorise(const PoseTerms &given, const Progress &progress) {
-    std::vector<Eigen::Triplet<double>> entries;
-    const auto add = [&](Index a, Index b, double value) { // of the lower triangle
-        if (a >= 0 && b >= 0)
-            entries.emplace_back(std::max(a, b), std::min(a, b), value);
-    };
+    using Block = Eigen::Matrix4d;
+    detail::BlockMatrix<4> matrix;
+    matrix.diagonal.assign(unknown.rotation.size(), Block::Zero());
+    Block both = Block::Zero();
     ForTerms(
         [&](Index i, Index j, std::uint32_t e, Index end, double w) {
-            const Index a = map[std::size_t(end)], p[2] = {place[std::size_t(i)], place[std::size_t(j)]};
             const Eigen::Vector3d way = graph.edge.col(e).cast<double>();
-            add(p[0], p[0], w);
-            add(p[1], p[1], w);
-            add(p[0], p[1], -w);
-            for (int d = 0; a >= 0 && d < 3; ++d) {
-                add(a + d, p[0], -w * way[d]);
-                add(a + d, p[1], w * way[d]);
-                for (int f = 0; f <= d; ++f)
-                    add(a + d, a + f, w * way[d] * way[f]);
-            }
+            const Eigen::Vector4d c[2] = {Coefficients(i, end, 1, way), Coefficients(j, end, -1, way)};
+            for (int n = 0; n < 2; ++n)
+                if (const Index b = blockOf[std::size_t(n == 0 ? i : j)]; b >= 0)
+                    matrix.diagonal[std::size_t(b)] += w * c[n] * c[n].transpose();
+            both += w * c[0] * c[1].transpose();
         },
         [&](Index i, Index j, double w) {
-            const Index a = map[std::size_t(i)], b = map[std::size_t(j)];
-            for (int d = 0; d < 3; ++d) {
-                if (a >= 0)
-                    add(a + d, a + d, w);
-                if (b >= 0)
-                    add(b + d, b + d, w);
-                if (a >= 0 && b >= 0)
-                    add(a + d, b + d, -w);
+            const Index a = blockOf[std::size_t(i)], b = blockOf[std::size_t(j)];
+            for (Index each : {a, b})
+                if (each >= 0)
+                    matrix.diagonal[std::size_t(each)].diagonal().tail<3>().array() += w;
+            both.diagonal().tail<3>().array() -= w;
+            if (a >= 0 && b >= 0) {
+                matrix.where.emplace_back(a, b);
+                matrix.beside.push_back(both);
             }
+            both.setZero();
         });
-    for (Index i : unknown.rotation)
-        for (int d = 0; d < 3; ++d)
-            add(map[std::size_t(i)] + d, map[std::size_t(i)] + d,
-                given.stiffness[std::size_t(i)] * smooth + (rigidity + leastStay) * mass[std::size_t(i)]);
-    detail::SparseFactor::Matrix matrix(size, size);
-    matrix.setFromTriplets(entries.begin(), entries.end());
+    for (std::size_t b = 0; b < unknown.rotation.size(); ++b) {
+        const auto i = std::size_t(unknown.rotation[b]);
+        matrix.diagonal[b].diagonal().tail<3>().array() +=
+            given.stiffness[i] * smooth + (rigidity + leastStay) * mass[i];
+        if (unknown.constrained[i])
+            matrix.diagonal[b](0, 0) = 1; // no unknown
+    }
     if (!factor.Analyse(matrix, detail::SparseFactor::most))
         throw Unsolvable("The deformation graph of " + std::to_string(graph.Size()) +
                          " nodes takes minutes to solve with a rigidity below 1. Take fewer patches, or a rigidity of "
                          "1.");
-    if (!factor.Factorise(matrix, progress, stage) || !(factor.vectorD().minCoeff<Eigen::PropagateNaN>() > 0))
+    if (!factor.Factorise(matrix, progress, stage) || factor.Negative() > 0)
         throw Unsolvable("The deformation graph's system cannot be factorised with a rigidity below 1. Take a "
                          "smoothness nearer to its default.");
 }
@@ -144,40 +142,38 @@ Eigen::Vector3d AffineDeformer::Way(const State &x, const PoseTerms &given, Inde
 /// Of the system for what the unknowns change from \p base on, with all rotations those there, without what draws to
 /// these.
 Eigen::MatrixX3d AffineDeformer::RightSide(const State &base, const PoseTerms &given) const {
-    Eigen::MatrixX3d right = Eigen::MatrixX3d::Zero(size, 3);
-    const auto pull = [&](Index at, const Eigen::Matrix3d &by) { // its columns
-        if (at >= 0)
-            right.middleRows<3>(at) += by.transpose();
+    Eigen::MatrixX3d right = Eigen::MatrixX3d::Zero(4 * Eigen::Index(unknown.rotation.size()), 3);
+    const auto turn = [&](Index i, const Eigen::Matrix3d &by) {
+        if (blockOf[std::size_t(i)] >= 0)
+            right.middleRows<3>(4 * blockOf[std::size_t(i)] + 1) += by.transpose();
     };
     ForTerms(
         [&](Index i, Index j, std::uint32_t e, Index end, double w) {
             const Eigen::Vector3d way = graph.edge.col(e).cast<double>(),
                                   off = w * (Way(base, given, i, j, e) - base.rotation[std::size_t(end)] * way);
-            if (place[std::size_t(i)] >= 0)
-                right.row(place[std::size_t(i)]) -= off.transpose();
-            if (place[std::size_t(j)] >= 0)
-                right.row(place[std::size_t(j)]) += off.transpose();
-            pull(map[std::size_t(end)], off * way.transpose());
+            for (Index each : {i, j})
+                if (const Index b = blockOf[std::size_t(each)]; b >= 0)
+                    right.middleRows<4>(4 * b) -= Coefficients(each, end, each == i ? 1 : -1, way) * off.transpose();
         },
         [&](Index i, Index j, double w) {
             const Eigen::Matrix3d off = w * (base.rotation[std::size_t(i)] - base.rotation[std::size_t(j)]);
-            pull(map[std::size_t(i)], -off);
-            pull(map[std::size_t(j)], off);
+            turn(i, -off);
+            turn(j, off);
         });
     for (Index i : unknown.rotation)
-        pull(map[std::size_t(i)],
+        turn(i,
              given.stiffness[std::size_t(i)] * smooth * (given.linear[std::size_t(i)] - base.rotation[std::size_t(i)]));
     return right;
 }
 
 /// The global step: \p x by the solution from \p base on.
 void AffineDeformer::Solved(const State &base, const Eigen::MatrixX3d &right, State &x) const {
-    const Eigen::MatrixX3d change = factor.solve(right);
+    const Eigen::MatrixX3d change = factor.Solve(right);
     for (Index i : unknown.rotation)
         x.rotation[std::size_t(i)] =
-            base.rotation[std::size_t(i)] + change.middleRows<3>(map[std::size_t(i)]).transpose();
+            base.rotation[std::size_t(i)] + change.middleRows<3>(4 * blockOf[std::size_t(i)] + 1).transpose();
     for (Index i : unknown.position)
-        x.position.col(i) = base.position.col(i) + change.row(place[std::size_t(i)]).transpose();
+        x.position.col(i) = base.position.col(i) + change.row(4 * blockOf[std::size_t(i)]).transpose();
 }
 
 /// The local step.
@@ -226,7 +222,7 @@ GraphPose AffineDeformer::Solve(const std::vector<Eigen::Affine3d> &motion, cons
     const State base = Base(motion, common);
     State state = base;
     const PoseTerms given(energy, motion, base, smooth);
-    if (size > 0) {
+    if (!unknown.rotation.empty()) {
         const Eigen::MatrixX3d right = RightSide(base, given);
         if (laplacian) {
             const State guess = detail::InitialGuess(graph, unknown, *laplacian, motion, last, lastMotion);
@@ -264,7 +260,7 @@ void AffineDeformer::Minimise(const State &base, const PoseTerms &given, const E
     const auto step = [&](const State &x, State &y) {
         Eigen::MatrixX3d drawn = right;
         for (Index i : unknown.rotation)
-            drawn.middleRows<3>(map[std::size_t(i)]) +=
+            drawn.middleRows<3>(4 * blockOf[std::size_t(i)] + 1) +=
                 rigidity * mass[std::size_t(i)] *
                 (detail::ToMatrix(x.quaternion[std::size_t(i)]) - base.rotation[std::size_t(i)]).transpose();
         y.quaternion = x.quaternion;

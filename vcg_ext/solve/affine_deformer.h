@@ -3,7 +3,7 @@
 #define VCG_FCD_AFFINE_DEFORMER_H
 
 #include <vcg_ext/base/progress.h>
-#include <vcg_ext/base/sparse_factor.h>
+#include <vcg_ext/base/block_factor.h>
 #include <vcg_ext/graph/deformation_graph.h>
 #include <vcg_ext/shape_constants.h>
 #include <vcg_ext/solve/graph_energy.h>
@@ -49,6 +49,7 @@ class AffineDeformer {
     void ForTerms(const Stretch &stretch, const Bend &bend) const;
     void Factorise(const PoseTerms &given, const Progress &progress);
     State Base(const std::vector<Eigen::Affine3d> &motion, const Eigen::Affine3d &common) const;
+    Eigen::Vector4d Coefficients(Index i, Index end, double sign, const Eigen::Vector3d &way) const;
     Eigen::Vector3d Way(const State &x, const PoseTerms &given, Index i, Index j, std::uint32_t e) const;
     Eigen::MatrixX3d RightSide(const State &base, const PoseTerms &given) const;
     void Solved(const State &base, const Eigen::MatrixX3d &right, State &x) const;
@@ -66,9 +67,8 @@ class AffineDeformer {
     detail::GraphEnergy energy;
     std::optional<detail::GraphLaplacian> laplacian; ///< where it is solved in turns
     std::vector<double> mass;                        ///< k, what a turn of a node moves
-    std::vector<Index> map, place;                   ///< k, where the numbers of a node begin; -1 where they are given
-    Index size = 0;
-    detail::SparseFactor factor;
+    std::vector<Index> blockOf;                      ///< k, of its position's number and its map's three; -1: given
+    detail::BlockFactor<4> factor;
     double edgeLength = 0; ///< mean
 };
 

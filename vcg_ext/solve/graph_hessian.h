@@ -49,7 +49,7 @@ class GraphHessian {
     Index Falling() const { return factor.Negative(); }
 
     /// Newton's step from where it was factorised.
-    Eigen::VectorXd Newton() const { return factor.Solve(-gradient); }
+    Eigen::VectorXd Newton() const { return -factor.Solve(gradient); }
     Eigen::VectorXd Solve(const Eigen::VectorXd &right) const { return factor.Solve(right); }
     Eigen::VectorXd Times(const Eigen::VectorXd &way) const { return hessian * way; }
     const Eigen::VectorXd &Gradient() const { return gradient; }
@@ -89,8 +89,8 @@ class GraphHessian {
     }
 
   private:
-    static constexpr int width = BlockMatrix::width;
-    using Block = BlockMatrix::Block;
+    static constexpr int width = 6;
+    using Block = BlockMatrix<width>::Block;
 
     Eigen::Vector3d Moved(const Eigen::VectorXd &step, Index i) const { return step.segment<3>(width * blockOf[i]); }
     Eigen::Vector3d Turned(const Eigen::VectorXd &step, Index i) const {
@@ -156,9 +156,9 @@ class GraphHessian {
     const GraphUnknowns &unknown;
     std::vector<Index> blockOf; // k, -1 where all is given
     Eigen::VectorXd gradient;
-    BlockMatrix hessian;
+    BlockMatrix<width> hessian;
     bool isAnalysed = false, isWorthwhile = false;
-    BlockFactor factor;
+    BlockFactor<width> factor;
 };
 
 } // namespace vcg::fcd::detail
