@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace vcg::fcd {
 
@@ -13,10 +14,6 @@ namespace {
 // What the data and smoothness leave open, as how a plane stretches across itself, is as rigid as this makes it, and
 // hardly anything else is.
 constexpr double leastRigidity = 1e-5;
-// Of affine maps, whose unknowns are many: where so much of the square is filled, most of the factor is, and a dense
-// one, in blocks that stay in the cache, takes a fifth of the time of a sparse one. A graph of edges alone fills a
-// twentieth.
-constexpr double leastDense = 0.06;
 
 } // namespace
 
@@ -51,28 +48,26 @@ FitSystem::FitSystem(const RegionDeformer &deformer, const std::vector<char> &is
                                              beside[std::size_t(a)].end());
             }
         }
-    std::vector<int> entries;
     for (std::size_t a = 0; a < node.size(); ++a) {
         join(Index(a), Index(a));
         for (Index j : deformer.graph.graph.adjacency[node[a]])
             join(Index(a), unknown[std::size_t(j)]);
         std::sort(beside[a].begin(), beside[a].end());
         beside[a].erase(std::unique(beside[a].begin(), beside[a].end()), beside[a].end());
-        for (int d = 0; d < size; ++d)
-            entries.push_back(size * int(beside[a].size()) - d);
     }
-    const Eigen::Index n = size * Eigen::Index(node.size());
-    matrix.resize(n, n);
-    matrix.reserve(Eigen::Map<Eigen::VectorXi>(entries.data(), n));
+    if (size == 12)
+        system.emplace<System<12>>();
+    std::visit([&](auto &each) { MakePattern(each); }, system);
+}
+
+template <int N>
+void FitSystem::MakePattern(System<N> &system) const {
+    system.matrix.diagonal.resize(node.size());
     for (std::size_t a = 0; a < node.size(); ++a)
-        for (int d = 0; d < size; ++d)
-            for (Index b : beside[a])
-                for (int e = b == Index(a) ? d : 0; e < size; ++e)
-                    matrix.insert(size * b + e, size * Eigen::Index(a) + d) = 0;
-    matrix.makeCompressed();
-    isDense = size == 12 && double(matrix.nonZeros()) > leastDense * double(n) * double(n);
-    if (n > 0 && !isDense)
-        factor.analyzePattern(matrix);
+        for (std::size_t b = 1; b < beside[a].size(); ++b)
+            system.matrix.where.emplace_back(Index(a), beside[a][b]);
+    system.matrix.beside.resize(system.matrix.where.size());
+    system.factor.Analyse(system.matrix, std::numeric_limits<double>::infinity());
 }
 
 /// x_s moves by weight (w x (R lever) + d).
@@ -232,40 +227,34 @@ void FitSystem::AddEdges(Index row, const GraphPose &pose, const std::vector<dou
 
 /// From one step to the next the system changes little: a factor of an earlier one is the preconditioner of conjugate
 /// gradients, until they take longer than a factorisation.
-Eigen::VectorXd FitSystem::Solve(const Eigen::VectorXd &right) {
+template <int N>
+Eigen::VectorXd FitSystem::Solve(System<N> &system, const Eigen::VectorXd &right) {
     const int most = 12;        // about the time of a factorisation
     const double enough = 1e-6; // square of the residual over that of the right side: a Gauss-Newton step is no better
     if (isFactored) {
-        Eigen::VectorXd x = ByFactor(right), r = right - matrix.selfadjointView<Eigen::Lower>() * x, z = ByFactor(r),
+        Eigen::VectorXd x = system.factor.Solve(right), r = right - system.matrix * x, z = system.factor.Solve(r),
                         p = z;
         double rz = r.dot(z);
         for (int i = 0; i < most; ++i) {
             if (r.squaredNorm() <= enough * right.squaredNorm())
                 return x;
-            const Eigen::VectorXd ap = matrix.selfadjointView<Eigen::Lower>() * p;
+            const Eigen::VectorXd ap = system.matrix * p;
             const double alpha = rz / p.dot(ap);
             x += alpha * p;
             r -= alpha * ap;
-            z = ByFactor(r);
+            z = system.factor.Solve(r);
             const double next = r.dot(z);
             p = z + (next / rz) * p;
             rz = next;
         }
     }
-    Factorize();
-    return ByFactor(right);
+    Factorise(system);
+    return system.factor.Solve(right);
 }
 
-Eigen::MatrixXd FitSystem::ByFactor(const Eigen::MatrixXd &right) const {
-    return isDense ? Eigen::MatrixXd(denseFactor.solve(right)) : Eigen::MatrixXd(factor.solve(right));
-}
-
-void FitSystem::Factorize() {
-    if (isDense)
-        denseFactor.compute(Eigen::MatrixXd(matrix));
-    else
-        factor.factorize(matrix);
-    isNew = isFactored = (isDense ? denseFactor.info() : factor.info()) == Eigen::Success;
+template <int N>
+void FitSystem::Factorise(System<N> &system) {
+    isNew = isFactored = system.factor.Factorise(system.matrix, {}, "") && system.factor.Negative() == 0;
     if (!isFactored)
         throw Unsolvable("The fit cannot be solved in double precision. Take stiffness and smoothness nearer to their "
                          "defaults, or remove stray points of the target.");
@@ -285,20 +274,24 @@ void FitSystem::Take(const Change &step, GraphPose &pose) {
 }
 
 Eigen::Matrix3d FitSystem::Compliance(std::size_t sample) {
+    auto &turning = std::get<System<6>>(system);
     if (!isNew)
-        Factorize();
-    Eigen::MatrixXd force = Eigen::MatrixXd::Zero(matrix.rows(), 3);
+        Factorise(turning);
+    Eigen::MatrixX3d force = Eigen::MatrixX3d::Zero(6 * Eigen::Index(node.size()), 3);
     for (std::uint32_t t = samples.begin[sample]; t < samples.begin[sample + 1]; ++t)
         if (const Index a = unknown[std::size_t(samples.term[t].node)]; a >= 0) {
             force.middleRows<3>(6 * Eigen::Index(a)) += samples.term[t].weight * detail::CrossMatrix(arm[t]);
             force.middleRows<3>(6 * Eigen::Index(a) + 3) += samples.term[t].weight * Eigen::Matrix3d::Identity();
         }
-    return force.transpose() * ByFactor(force);
+    return force.transpose() * turning.factor.Solve(force);
 }
 
 template <int N>
 void FitSystem::Assemble(const GraphPose &pose, const std::vector<Pull> &pull, const std::vector<double> &stiffness,
-                         unsigned threads, Eigen::VectorXd &gradient) {
+                         unsigned threads, System<N> &system, Eigen::VectorXd &gradient) const {
+    std::vector<std::size_t> begin(node.size() + 1, 0); // of the blocks beside the diagonal
+    for (std::size_t a = 0; a < node.size(); ++a)
+        begin[a + 1] = begin[a] + beside[a].size() - 1;
     ParallelFor(threads, node.size(), 8, [&](std::size_t first, std::size_t last) {
         std::vector<MatrixOf<N>> block;
         std::vector<Index> place(node.size(), 0); // of each unknown, among those of a row
@@ -312,12 +305,8 @@ void FitSystem::Assemble(const GraphPose &pose, const std::vector<Pull> &pull, c
             // Nodes that no edge and no sample draws stay.
             block[0].diagonal().array() += 1e-12;
             gradient.segment<N>(Eigen::Index(N * a)) = its;
-            for (int d = 0; d < N; ++d) { // row a of blocks is column a of the lower half
-                double *to = matrix.valuePtr() + matrix.outerIndexPtr()[N * a + std::size_t(d)];
-                for (std::size_t b = 0; b < beside[a].size(); ++b)
-                    for (int e = b == 0 ? d : 0; e < N; ++e)
-                        *to++ = block[b](d, e);
-            }
+            system.matrix.diagonal[a] = block[0];
+            std::copy(block.begin() + 1, block.end(), system.matrix.beside.begin() + std::ptrdiff_t(begin[a]));
         }
     });
 }
@@ -329,15 +318,16 @@ FitSystem::Change FitSystem::Step(const GraphPose &pose, const std::vector<Pull>
     for (std::size_t t = 0; t < arm.size(); ++t)
         arm[t] = size == 6 ? Eigen::Vector3d(pose.linear[std::size_t(samples.term[t].node)] * samples.term[t].lever)
                            : samples.term[t].lever;
-    if (size == 6)
-        Assemble<6>(pose, pull, stiffness, threads, gradient);
-    else
-        Assemble<12>(pose, pull, stiffness, threads, gradient);
     Change step = Change::Zero(size, deformer.graph.Size());
     if (node.empty())
         return step;
     isNew = false;
-    const Eigen::VectorXd x = Solve(-gradient);
+    const Eigen::VectorXd x = std::visit(
+        [&](auto &each) {
+            Assemble(pose, pull, stiffness, threads, each, gradient);
+            return Solve(each, -gradient);
+        },
+        system);
     for (std::size_t a = 0; a < node.size(); ++a)
         step.col(node[a]) = x.segment(size * Eigen::Index(a), size);
     return step;

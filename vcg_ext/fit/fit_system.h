@@ -2,12 +2,12 @@
 #ifndef VCG_FCD_FIT_SYSTEM_H
 #define VCG_FCD_FIT_SYSTEM_H
 
+#include <vcg_ext/base/block_factor.h>
 #include <vcg_ext/fit/fit_samples.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/SparseCholesky>
-#include <Eigen/SparseCore>
+#include <cstddef>
+#include <variant>
 #include <vector>
 
 namespace vcg::fcd {
@@ -53,10 +53,20 @@ class FitSystem {
     Eigen::Matrix3d Compliance(std::size_t sample);
 
   private:
-    void Factorize();
+    /// Of nodes with N unknowns each.
+    template <int N>
+    struct System {
+        detail::BlockMatrix<N> matrix;
+        detail::BlockFactor<N> factor;
+    };
+
+    template <int N>
+    void MakePattern(System<N> &system) const;
+    template <int N>
+    void Factorise(System<N> &system);
     template <int N>
     void Assemble(const GraphPose &pose, const std::vector<Pull> &pull, const std::vector<double> &stiffness,
-                  unsigned threads, Eigen::VectorXd &gradient);
+                  unsigned threads, System<N> &system, Eigen::VectorXd &gradient) const;
     void AddSamples(Index row, const std::vector<Pull> &pull, const std::vector<Index> &place,
                     std::vector<MatrixOf<6>> &block, VectorOf<6> &gradient) const;
     void AddSamples(Index row, const std::vector<Pull> &pull, const std::vector<Index> &place,
@@ -65,8 +75,8 @@ class FitSystem {
                   const std::vector<Index> &place, std::vector<MatrixOf<6>> &block, VectorOf<6> &gradient) const;
     void AddEdges(Index row, const GraphPose &pose, const std::vector<double> &stiffness,
                   const std::vector<Index> &place, std::vector<MatrixOf<12>> &block, VectorOf<12> &gradient) const;
-    Eigen::VectorXd Solve(const Eigen::VectorXd &right);
-    Eigen::MatrixXd ByFactor(const Eigen::MatrixXd &right) const;
+    template <int N>
+    Eigen::VectorXd Solve(System<N> &system, const Eigen::VectorXd &right);
 
     const RegionDeformer &deformer;
     const FitSamples &samples;
@@ -81,10 +91,7 @@ class FitSystem {
     };
     std::vector<std::vector<Use>> uses; ///< of each unknown: the terms of samples that it is in
     std::vector<Eigen::Vector3d> arm;   ///< of each term, R lever at the pose; of affine maps, the lever
-    Eigen::SparseMatrix<double> matrix; ///< the lower half
-    Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor;
-    Eigen::LLT<Eigen::MatrixXd, Eigen::Lower> denseFactor; ///< instead, where isDense
-    bool isDense = false;
+    std::variant<System<6>, System<12>> system;
     bool isFactored = false, isNew = false; ///< the factor is of this matrix, or of an earlier one
 };
 
