@@ -63,6 +63,7 @@ class BlockFactor : private SparseFactor {
     bool Analyse(const BlockMatrix &matrix, double limit) {
         const auto n = Index(matrix.diagonal.size());
         std::vector<Eigen::Triplet<double>> entries;
+        entries.reserve(matrix.diagonal.size() + matrix.where.size());
         for (Index b = 0; b < n; ++b)
             entries.emplace_back(b, b, 1);
         for (const auto &[row, column] : matrix.where)

@@ -81,7 +81,7 @@ class SparseFactor : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> {
         for (Entry &each : y)
             Arithmetic::Clear(each);
         std::vector<StorageIndex> pattern(std::size_t(n), 0), tag(std::size_t(n), -1);
-        const std::size_t often = (1 << 24) / (sizeof(Entry) / sizeof(double)); // steps, about 20 ms
+        const std::size_t often = 1 << 27; // bytes of L, about 20 ms
         std::size_t done = 0;
         for (StorageIndex k = 0; k < n; ++k) {
             // Where the row is not 0: what its entries lead to in the elimination tree, in an order for computing.
@@ -110,7 +110,7 @@ class SparseFactor : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> {
                 inner[end] = k;
                 value[end] = l;
                 ++m_nonZerosPerCol[i];
-                done += std::size_t(end - begin[i]);
+                done += std::size_t(end - begin[i]) * sizeof(Entry);
                 if (done > often) {
                     done = 0;
                     progress(double(k) / double(n), stage);

@@ -145,7 +145,7 @@ Eigen::MatrixX3d AffineDeformer::RightSide(const State &base, const PoseTerms &g
     Eigen::MatrixX3d right = Eigen::MatrixX3d::Zero(4 * Eigen::Index(unknown.rotation.size()), 3);
     const auto turn = [&](Index i, const Eigen::Matrix3d &by) {
         if (blockOf[std::size_t(i)] >= 0)
-            right.middleRows<3>(4 * blockOf[std::size_t(i)] + 1) += by.transpose();
+            right.middleRows<3>(4 * Eigen::Index(blockOf[std::size_t(i)]) + 1) += by.transpose();
     };
     ForTerms(
         [&](Index i, Index j, std::uint32_t e, Index end, double w) {
@@ -153,7 +153,8 @@ Eigen::MatrixX3d AffineDeformer::RightSide(const State &base, const PoseTerms &g
                                   off = w * (Way(base, given, i, j, e) - base.rotation[std::size_t(end)] * way);
             for (Index each : {i, j})
                 if (const Index b = blockOf[std::size_t(each)]; b >= 0)
-                    right.middleRows<4>(4 * b) -= Coefficients(each, end, each == i ? 1 : -1, way) * off.transpose();
+                    right.middleRows<4>(4 * Eigen::Index(b)) -=
+                        Coefficients(each, end, each == i ? 1 : -1, way) * off.transpose();
         },
         [&](Index i, Index j, double w) {
             const Eigen::Matrix3d off = w * (base.rotation[std::size_t(i)] - base.rotation[std::size_t(j)]);
@@ -170,10 +171,10 @@ Eigen::MatrixX3d AffineDeformer::RightSide(const State &base, const PoseTerms &g
 void AffineDeformer::Solved(const State &base, const Eigen::MatrixX3d &right, State &x) const {
     const Eigen::MatrixX3d change = factor.Solve(right);
     for (Index i : unknown.rotation)
-        x.rotation[std::size_t(i)] =
-            base.rotation[std::size_t(i)] + change.middleRows<3>(4 * blockOf[std::size_t(i)] + 1).transpose();
+        x.rotation[std::size_t(i)] = base.rotation[std::size_t(i)] +
+                                     change.middleRows<3>(4 * Eigen::Index(blockOf[std::size_t(i)]) + 1).transpose();
     for (Index i : unknown.position)
-        x.position.col(i) = base.position.col(i) + change.row(4 * blockOf[std::size_t(i)]).transpose();
+        x.position.col(i) = base.position.col(i) + change.row(4 * Eigen::Index(blockOf[std::size_t(i)])).transpose();
 }
 
 /// The local step.
@@ -260,7 +261,7 @@ void AffineDeformer::Minimise(const State &base, const PoseTerms &given, const E
     const auto step = [&](const State &x, State &y) {
         Eigen::MatrixX3d drawn = right;
         for (Index i : unknown.rotation)
-            drawn.middleRows<3>(4 * blockOf[std::size_t(i)] + 1) +=
+            drawn.middleRows<3>(4 * Eigen::Index(blockOf[std::size_t(i)]) + 1) +=
                 rigidity * mass[std::size_t(i)] *
                 (detail::ToMatrix(x.quaternion[std::size_t(i)]) - base.rotation[std::size_t(i)]).transpose();
         y.quaternion = x.quaternion;

@@ -89,8 +89,8 @@ class GraphHessian {
     }
 
   private:
-    static constexpr int width = 6;
-    using Block = BlockMatrix<width>::Block;
+    static constexpr Eigen::Index width = 6;
+    using Block = BlockMatrix<int(width)>::Block;
 
     Eigen::Vector3d Moved(const Eigen::VectorXd &step, Index i) const { return step.segment<3>(width * blockOf[i]); }
     Eigen::Vector3d Turned(const Eigen::VectorXd &step, Index i) const {
@@ -156,9 +156,9 @@ class GraphHessian {
     const GraphUnknowns &unknown;
     std::vector<Index> blockOf; // k, -1 where all is given
     Eigen::VectorXd gradient;
-    BlockMatrix<width> hessian;
+    BlockMatrix<int(width)> hessian;
     bool isAnalysed = false, isWorthwhile = false;
-    BlockFactor<width> factor;
+    BlockFactor<int(width)> factor;
 };
 
 } // namespace vcg::fcd::detail
