@@ -68,7 +68,7 @@ class AnimationInfo:
 
 class PoseSequence:
     """Poses, each with a name, and key frames of them. A blend adds up, each by its weight, the turns of a handle (of any angle), the paths of
-    its middle and the logarithms of its scales. [Pose sequences](sequences.md) tells more.
+    its middle and the logarithms of its scales; arcs about one joint join to one arc. [Pose sequences](sequences.md) tells more.
 
     Parameters
     ----------

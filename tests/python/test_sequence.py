@@ -55,6 +55,20 @@ def test_a_blend_of_one_pose_is_that_pose():
     assert both.info.converged and both.info.folded == 0 and len(both.normals) == len(deformer.vertices)
 
 
+def test_between_turns_about_a_joint_a_handle_stays_on_its_arc():
+    deformer, middle, turn = prepared(), SURFACE[0][MOVES].mean(0), Motion.rotate
+    joint = middle - [5, 0, 0]
+    made = PoseSequence({"down": {2: turn([0, 1, 0], 40, about=joint)}, "up": {2: turn([0, 1, 0], -80, about=joint)},
+                         "aside": {2: turn([0, 0, 1], 70, about=joint)}},
+                        [KeyFrame(0, {"down": 100}), KeyFrame(1, {"up": 100}), KeyFrame(2, {"up": 50, "aside": 50})])
+    for seconds, pose in made.frames(deformer, rate=4):
+        way = pose.vertices[MOVES].mean(0) - joint
+        assert abs(np.linalg.norm(way) - 5) < 1e-9
+        if seconds <= 1:
+            angle = np.radians(40 - 120 * seconds)
+            assert np.abs(way - [5 * np.cos(angle), 0, -5 * np.sin(angle)]).max() < 1e-9
+
+
 def test_frames_and_files_are_the_same(tmp_path):
     deformer, made = prepared(), sequence()
     frames = list(made.frames(deformer, rate=8))

@@ -114,6 +114,57 @@ TEST(Blend, AddsUp) {
     MessageOf<BadInput>([] { Blended({{"scale 1e100", 1e5}, {"scale 1e100", 1e5}}); });
 }
 
+TEST(Blend, OfTurnsAboutOneJointStaysOnTheArc) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> number(-1, 1);
+    for (int trial = 0; trial < 200; ++trial) {
+        const Vector3d pivot = 5 * RandomVector(random), axis = RandomVector(random), arm = handleCenter - pivot;
+        std::vector<std::pair<Motion, double>> aboutAxis, across;
+        double degrees = 0;
+        for (int i = 0; i < 2 + trial % 3; ++i) {
+            MotionStep step = MotionStep::Rotate(axis, (trial % 2 ? 170 : 500) * number(random));
+            step.about = pivot + number(random) * axis;
+            const double percent = 100 * number(random);
+            aboutAxis.emplace_back(ToMotion({step}, handleCenter), percent);
+            degrees += step.degrees * percent / 100;
+            step.vector = arm.cross(RandomVector(random));
+            step.about = pivot;
+            across.emplace_back(ToMotion({step}, handleCenter), percent);
+        }
+        MotionStep sum = MotionStep::Rotate(axis, degrees);
+        sum.about = pivot;
+        ASSERT_LT((Blend(aboutAxis, handleCenter).matrix - ToMotion({sum}, handleCenter).matrix).norm(), 1e-9) << trial;
+        const Vector3d middle = Affine3d(Blend(across, handleCenter).matrix) * handleCenter;
+        ASSERT_NEAR((middle - pivot).norm(), arm.norm(), 1e-9) << trial;
+        // A turn about itself leaves the middle where the others put it.
+        MotionStep itself = MotionStep::Rotate(RandomVector(random), 300 * number(random));
+        across.emplace_back(ToMotion({itself}, handleCenter), 70);
+        ASSERT_LT((Affine3d(Blend(across, handleCenter).matrix) * handleCenter - middle).norm(), 1e-9) << trial;
+    }
+}
+
+TEST(Blend, IsContinuous) {
+    const std::string bent = "rotate 0 1 0 90 about 0 0 0", other = "rotate 1 0 1 120 about 9 9 9";
+    const auto with = [&](const MotionStep &step, double percent) {
+        return Blend({{Told(bent), 50}, {ToMotion({step, MotionStep::Translate({1, 2, 3})}, handleCenter), percent}},
+                     handleCenter)
+            .matrix;
+    };
+    for (const double least : {1e-1, 1e-3, 1e-5, 1e-7, 1e-9}) {
+        // A turn beside a shift, a weight, the distance of a pivot, and what is left of turns in opposite directions.
+        EXPECT_LT(
+            (with(MotionStep::Rotate({1, 0, 0}, least), 70) - Blended({{bent, 50}, {"translate 1 2 3", 70}})).norm(),
+            least);
+        EXPECT_LT((Blended({{bent, 50}, {other, least}}) - Blended({{bent, 50}})).norm(), least);
+        MotionStep beside = MotionStep::Rotate({1, 2, 0}, 80);
+        const Matrix4d itself = with(beside, 70);
+        beside.about = handleCenter + Vector3d(least, 0, -least);
+        EXPECT_LT((with(beside, 70) - itself).norm(), 10 * least);
+        const std::string back = "rotate 0 1 0 -90 about 2 0 0";
+        EXPECT_LT((Blended({{bent, 50}, {back, 50 + least}}) - Blended({{bent, 50}, {back, 50}})).norm(), least);
+    }
+}
+
 TEST(Easing, IsWhatItIsCalled) {
     for (double t : {0.0, 0.25, 0.5, 1.0})
         EXPECT_EQ(Eased(Easing::Linear, t), t);

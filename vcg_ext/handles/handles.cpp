@@ -34,24 +34,63 @@ struct Polar {
     }
 };
 
-/// exp(t log(rigid)) on SE(3).
-Eigen::Matrix4d Screw(const Eigen::Matrix4d &rigid, double t) {
-    const detail::Turn turn(rigid.topLeftCorner<3, 3>());
-    const Eigen::Vector3d &axis = turn.axis;
-    const Eigen::Vector3d d = rigid.topRightCorner<3, 1>();
-    const double angle = turn.angle;
-    Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
-    result.topLeftCorner<3, 3>() = detail::RotationBy(t * angle, axis);
-    // d = along the axis + across it; the part across is a rotation about a parallel axis through q.
-    const Eigen::Vector3d along = axis * axis.dot(d), across = d - along;
-    if (angle < 1e-9) {
-        result.topRightCorner<3, 1>() = t * d;
-        return result;
+/// What turns at an even rate by \p turn, in all, and begins at \p speed moves as far as this, in all.
+Eigen::Vector3d Arc(const Eigen::Vector3d &turn, const Eigen::Vector3d &speed) {
+    const double angle = turn.norm();
+    if (angle == 0)
+        return speed;
+    const Eigen::Vector3d axis = turn / angle, along = axis * axis.dot(speed), across = speed - along;
+    const double half = detail::Sine(angle / 2);
+    return along + detail::Sine(angle) / angle * across + 2 * half * half / angle * axis.cross(across);
+}
+
+/// How a motion takes the center of its handle; the stretch is not of it.
+struct Way {
+    Eigen::Vector3d turn, speed; ///< rotation vector; the speed by which the center begins to turn
+    Eigen::Vector3d straight;    ///< what goes straight beside
+
+    Way(const Motion &motion, const Eigen::Matrix3d &rotation, const Eigen::Vector3d &center);
+
+    /// How far \p t of the way moves the center where that turns by \p arc meanwhile.
+    Eigen::Vector3d Moved(double t, const Eigen::Vector3d &arc) const { return Arc(arc, t * speed) + t * straight; }
+};
+
+/// How far two ways turn the center about one axis: 2 a b / (a^2 + b^2), where a and b are the ways from the center to
+/// the nearest places on both axes; 0 where these lie on different sides, or one is at the center, or far.
+double SameAxis(const Way &one, const Way &other) {
+    const double a = one.turn.squaredNorm(), b = other.turn.squaredNorm();
+    const Eigen::Vector3d toOne = one.turn.cross(one.speed) * b,
+                          toOther = other.turn.cross(other.speed) * a; // times a b
+    const double sum = toOne.squaredNorm() + toOther.squaredNorm();
+    return sum > 0 ? std::max(0.0, 2 * toOne.dot(toOther) / sum) : 0;
+}
+
+/// \param rotation of the motion's matrix
+Way::Way(const Motion &motion, const Eigen::Matrix3d &rotation, const Eigen::Vector3d &center) {
+    const detail::Turn shortest(rotation);
+    const Eigen::Vector3d moved = (motion.matrix * center.homogeneous()).head<3>() - center;
+    if (motion.turn.isZero(0)) { // log(rigid) on SE(3)
+        turn = shortest.angle * shortest.axis;
+        straight = shortest.axis * shortest.axis.dot(moved);
+        const Eigen::Vector3d across = moved - straight;
+        const double half = shortest.angle / 2;
+        speed = (half > 0 ? half * detail::Cosine(half) / detail::Sine(half) : 1) * across - 0.5 * turn.cross(across);
+        return;
     }
-    const Eigen::Vector3d q =
-        0.5 * (across + axis.cross(across) * (detail::Cosine(angle / 2) / detail::Sine(angle / 2)));
-    result.topRightCorner<3, 1>() = t * along + q - result.topLeftCorner<3, 3>() * q;
-    return result;
+    // Axis and angle are those of the matrix, so that the way ends there, but near the identity, which has no axis.
+    const double fullTurn = 2 * detail::pi;
+    Eigen::Vector3d axis = motion.turn.normalized();
+    const double side = shortest.axis.dot(axis);
+    double angle = shortest.angle * side;
+    if (shortest.angle > 1e-6) {
+        axis = side < 0 ? Eigen::Vector3d(-shortest.axis) : shortest.axis;
+        angle = side < 0 ? -shortest.angle : shortest.angle;
+    }
+    angle += fullTurn * std::round((motion.turn.norm() - angle) / fullTurn);
+    turn = angle * axis;
+    const Eigen::Vector3d arm = center - motion.pivot;
+    speed = turn.cross(arm);
+    straight = moved - (rotation * arm - arm);
 }
 
 } // namespace
@@ -84,17 +123,11 @@ Eigen::Matrix4d Motion::At(double percent, const Eigen::Vector3d &center) const 
     if (percent == 0)
         return Eigen::Matrix4d::Identity();
     const double t = percent / 100;
-    const Eigen::Matrix3d linear = matrix.topLeftCorner<3, 3>();
-    const Polar polar(linear);
-    // Motion of the center with the rotation.
-    Eigen::Matrix4d rigid = Eigen::Matrix4d::Identity();
-    rigid.topLeftCorner<3, 3>() = polar.rotation;
-    rigid.topRightCorner<3, 1>() = linear * center + matrix.topRightCorner<3, 1>() - polar.rotation * center;
-    const Eigen::Matrix4d part = turn.isZero(0) ? Screw(rigid, t) : Turned(rigid, center, t);
-    Eigen::Matrix4d result = part;
-    result.topLeftCorner<3, 3>() = part.topLeftCorner<3, 3>() * polar.Stretch(t);
-    const Eigen::Vector3d moved = (part * center.homogeneous()).head<3>();
-    result.topRightCorner<3, 1>() = moved - result.topLeftCorner<3, 3>() * center;
+    const Polar polar(matrix.topLeftCorner<3, 3>());
+    const Way way(*this, polar.rotation, center);
+    Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
+    result.topLeftCorner<3, 3>() = detail::RotationBy(t * way.turn) * polar.Stretch(t);
+    result.topRightCorner<3, 1>() = center + way.Moved(t, t * way.turn) - result.topLeftCorner<3, 3>() * center;
     return result;
 }
 
@@ -110,55 +143,38 @@ void Motion::SetTurn(const Eigen::Vector3d &wholeTurn, const Eigen::Vector3d &po
     pivot = point;
 }
 
-/// The fraction t of \p rigid by way of the turn, for \p center.
-Eigen::Matrix4d Motion::Turned(const Eigen::Matrix4d &rigid, const Eigen::Vector3d &center, double t) const {
-    // Axis and angle are those of the matrix, so that the way ends there, but near the identity, which has no axis.
-    const double fullTurn = 2 * detail::pi;
-    const detail::Turn shortest(rigid.topLeftCorner<3, 3>());
-    Eigen::Vector3d axis = turn.normalized();
-    const double side = shortest.axis.dot(axis);
-    double angle = shortest.angle * side;
-    if (shortest.angle > 1e-6) {
-        axis = side < 0 ? Eigen::Vector3d(-shortest.axis) : shortest.axis;
-        angle = side < 0 ? -shortest.angle : shortest.angle;
-    }
-    angle += fullTurn * std::round((turn.norm() - angle) / fullTurn);
-
-    const Eigen::Matrix3d rotation = detail::RotationBy(t * angle, axis);
-    const Eigen::Vector3d arm = center - pivot;
-    const Eigen::Vector3d rest = (rigid * center.homogeneous()).head<3>() - rigid.topLeftCorner<3, 3>() * arm - pivot;
-    Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
-    result.topLeftCorner<3, 3>() = rotation;
-    result.topRightCorner<3, 1>() = pivot + rotation * arm + t * rest - rotation * center;
-    return result;
-}
-
 Motion Blend(const std::vector<std::pair<Motion, double>> &motions, const Eigen::Vector3d &center) {
     Eigen::Vector3d turn = Eigen::Vector3d::Zero(), moved = Eigen::Vector3d::Zero();
     Eigen::Matrix3d stretch = Eigen::Matrix3d::Zero(); // its logarithm
-    int count = 0;
+    std::vector<std::pair<Way, double>> ways;
     Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
     for (const auto &[motion, percent] : motions) {
         if (percent == 0)
             continue;
-        ++count;
         const double t = percent / 100;
-        matrix = motion.At(percent, center);
-        turn += t * motion.Rotation();
-        moved += (matrix * center.homogeneous()).head<3>() - center;
         const Polar polar(motion.matrix.topLeftCorner<3, 3>());
+        if (ways.empty())
+            matrix = motion.At(percent, center);
+        const Way &way = ways.emplace_back(Way(motion, polar.rotation, center), t).first;
+        turn += t * way.turn;
         const Eigen::Vector3d factors = polar.svd.singularValues();
         stretch += t * (polar.svd.matrixV() * factors.unaryExpr(&detail::Logarithm).asDiagonal() *
                         polar.svd.matrixV().transpose());
     }
-    if (count > 1) {
-        Eigen::Matrix3d linear = detail::RotationBy(turn);
+    if (ways.size() > 1) {
+        for (const auto &[way, t] : ways) {
+            Eigen::Vector3d arc = t * way.turn;
+            for (const auto &[other, share] : ways)
+                if (&other != &way)
+                    arc += SameAxis(way, other) * share * other.turn;
+            moved += way.Moved(t, arc);
+        }
         ExpectFinite(Eigen::Matrix4d::Constant(stretch.sum())); // the solver below would not come to an end
         const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(stretch);
-        linear *= axes.eigenvectors() * axes.eigenvalues().unaryExpr(&detail::Exponential).asDiagonal() *
-                  axes.eigenvectors().transpose();
-        matrix.topLeftCorner<3, 3>() = linear;
-        matrix.topRightCorner<3, 1>() = center + moved - linear * center;
+        matrix.topLeftCorner<3, 3>() = detail::RotationBy(turn) * axes.eigenvectors() *
+                                       axes.eigenvalues().unaryExpr(&detail::Exponential).asDiagonal() *
+                                       axes.eigenvectors().transpose();
+        matrix.topRightCorner<3, 1>() = center + moved - matrix.topLeftCorner<3, 3>() * center;
     }
     return Motion(matrix, turn, center);
 }

@@ -45,14 +45,17 @@ struct Motion {
 
   private:
     void SetTurn(const Eigen::Vector3d &wholeTurn, const Eigen::Vector3d &point);
-    Eigen::Matrix4d Turned(const Eigen::Matrix4d &rigid, const Eigen::Vector3d &center, double t) const;
 };
 
 /// Several motions of one handle at once, each at \p percent of its way, in no order (after M. Alexa, Linear
 /// Combination of Transformations, 2002): their rotations, along the axes and as long as the angles, with full turns,
-/// add up, and so do the logarithms of what they scale by, and how far each moves \p center, as Motion::At tells. One
-/// alone is what At gives. \param motions with percent \param center of the handle at rest, mesh units \return the
-/// blended motion, at 100 percent; parts of it mean nothing \throw BadInput a number that is no longer finite
+/// add up, and so do the logarithms of what they scale by, and how far each moves \p center, as Motion::At tells, but
+/// that the center also turns by the others on its way, as far as these turn it about the same axis or joint: 2 a b /
+/// (a^2 + b^2) of it for the vectors a and b from the center to the nearest places on both axes, and 0 where their
+/// product is negative. So turns about one axis keep the center on its circle, and neither a shift nor a turn about the
+/// center itself changes the way of another. One motion alone is what At gives. \param motions with percent \param
+/// center of the handle at rest, mesh units \return the blended motion, at 100 percent; parts of it mean nothing \throw
+/// BadInput a number that is no longer finite
 Motion Blend(const std::vector<std::pair<Motion, double>> &motions, const Eigen::Vector3d &center);
 
 /// A landmark: a single vertex that is put somewhere, while the surface turns freely there.
