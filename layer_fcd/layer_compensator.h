@@ -7,7 +7,6 @@
 #include "parameters.h"
 
 #include <string>
-#include <vector>
 
 /// What FCD: Compensate did. Lengths are in world units.
 struct CompensatedLayers {

@@ -29,7 +29,7 @@ namespace {
 /// Finds the vertices that stand for landmarks.
 class MarkReader {
   public:
-    MarkReader(const SurfaceView &view, const Eigen::Affine3d &world) : view(view), world(world) {
+    MarkReader(const SurfaceView &view, const Eigen::Affine3d &world) {
         for (std::size_t i = 0; i < view.vertexSlots; ++i)
             if (!view.IsDeleted(i)) {
                 slot.push_back(i);
@@ -48,8 +48,6 @@ class MarkReader {
     }
 
   private:
-    const SurfaceView view;
-    const Eigen::Affine3d world;
     std::vector<std::size_t> slot; // of live vertices
     std::vector<Eigen::Vector3d> position;
     std::unique_ptr<vcg::fcd::PointTree<double>> tree;

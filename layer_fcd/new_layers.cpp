@@ -11,59 +11,44 @@
 
 #include <vcg/complex/allocate.h>
 
-#include <map>
-#include <typeinfo>
-
 using vcg::fcd::Index;
 
 namespace {
 
-/// Makes attributes in a mesh, by the name of the type of their values.
-struct AttributeMakers {
-    using Make = void (*)(CMeshO &, const std::string &);
-    std::map<std::string, Make> vertex, face;
+/// Adds to \p to an attribute like \p attribute, without values. \return whether its values are of type T
+template <class T>
+bool addIfOf(CMeshO &to, const vcg::PointerToAttribute &attribute, bool isOfVertices) {
+    if (!host::isCalled<T>(attribute))
+        return false;
+    if (isOfVertices)
+        vcg::tri::Allocator<CMeshO>::template AddPerVertexAttribute<T>(to, attribute._name);
+    else
+        vcg::tri::Allocator<CMeshO>::template AddPerFaceAttribute<T>(to, attribute._name);
+    return true;
+}
 
-    AttributeMakers() {
-        add<bool, char, signed char, unsigned char, short, unsigned short, int, unsigned, long, unsigned long,
-            long long, unsigned long long, float, double>();
-        add<vcg::Point2f, vcg::Point2d, vcg::Point2i, vcg::Point3f, vcg::Point3d, vcg::Point3i, vcg::Point4f,
-            vcg::Point4d, vcg::Color4b, vcg::Color4f, vcg::Matrix33f, vcg::Matrix33d, vcg::Matrix44f, vcg::Matrix44d,
-            std::string>();
-    }
-
-  private:
-    template <class... Types>
-    void add() {
-        (vertex.emplace(typeid(Types).name(),
-                        [](CMeshO &mesh, const std::string &name) {
-                            vcg::tri::Allocator<CMeshO>::template AddPerVertexAttribute<Types>(mesh, name);
-                        }),
-         ...);
-        (face.emplace(typeid(Types).name(),
-                      [](CMeshO &mesh, const std::string &name) {
-                          vcg::tri::Allocator<CMeshO>::template AddPerFaceAttribute<Types>(mesh, name);
-                      }),
-         ...);
-    }
-};
+template <class... Types>
+bool addIfOfOne(CMeshO &to, const vcg::PointerToAttribute &attribute, bool isOfVertices) {
+    return (addIfOf<Types>(to, attribute, isOfVertices) || ...);
+}
 
 /// Adds to \p to, empty, the attributes of \p from, without values. Tells about those of types that are not known.
 void addAttributes(CMeshO &to, const MeshModel &from, const Remark &remark) {
-    const AttributeMakers makers;
-    const auto add = [&](const auto &attributes, const auto &makersOfKind, const char *kind) {
+    const auto add = [&](const auto &attributes, bool isOfVertices) {
         for (const vcg::PointerToAttribute &attribute : attributes) {
             if (attribute._name.empty() || LayerState::isIts(attribute) || isApplied(from, attribute._name))
                 continue; // scratch data of some algorithm, or what belongs to the layer alone
-            const auto maker = makersOfKind.find(attribute._type.name());
-            if (maker == makersOfKind.end())
-                remark(std::string("The ") + kind + " attribute '" + attribute._name +
+            if (!addIfOfOne<bool, char, signed char, unsigned char, short, unsigned short, int, unsigned, long,
+                            unsigned long, long long, unsigned long long, float, double, vcg::Point2f, vcg::Point2d,
+                            vcg::Point2i, vcg::Point3f, vcg::Point3d, vcg::Point3i, vcg::Point4f, vcg::Point4d,
+                            vcg::Color4b, vcg::Color4f, vcg::Matrix33f, vcg::Matrix33d, vcg::Matrix44f, vcg::Matrix44d,
+                            std::string>(to, attribute, isOfVertices))
+                remark(std::string("The ") + (isOfVertices ? "vertex" : "face") + " attribute '" + attribute._name +
                        "' has values of an unknown type; the new layer does not have it.");
-            else
-                maker->second(to, attribute._name);
         }
     };
-    add(from.cm.vert_attr, makers.vertex, "vertex");
-    add(from.cm.face_attr, makers.face, "face");
+    add(from.cm.vert_attr, true);
+    add(from.cm.face_attr, false);
 }
 
 } // namespace

@@ -96,9 +96,8 @@ static std::vector<FitPair> pairsOf(const Reader &from, const char *key, const L
         const Reader each = from.in(QCborValue(value), key);
         FitPair &pair = pairs.emplace_back();
         pair.name = each.text("name");
-        if (each.has("vertex")) {
+        if (each.has("vertex"))
             pair.slot = liveSlot[std::size_t(each.whole("vertex", int(liveSlot.size()) - 1))];
-        }
         if (each.has("place"))
             pair.place = Eigen::Map<const Eigen::Vector3d>(each.array<double>("place", 3, 1).data());
     }

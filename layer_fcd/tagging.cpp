@@ -107,9 +107,7 @@ TagCount writeTags(const MeshDocument &document, MeshModel &layer, const std::ve
         keepAside(document, layer, target.colorize, target.attribute.isEmpty());
 
     const auto write = [&](const auto &number) {
-        for (std::size_t i = 0; i < tag.size(); ++i)
-            if (!mesh.vert[i].IsD())
-                number(i) = typename std::decay<decltype(number(i))>::type(tag[i]);
+        forVertices(mesh, [&](std::size_t i) { number(i) = std::decay_t<decltype(number(i))>(tag[i]); });
     };
     if (target.attribute.isEmpty()) {
         layer.updateDataMask(MeshModel::MM_VERTQUALITY);
@@ -128,9 +126,7 @@ TagCount writeTags(const MeshDocument &document, MeshModel &layer, const std::ve
     }
     if (target.colorize) {
         layer.updateDataMask(MeshModel::MM_VERTCOLOR);
-        for (std::size_t i = 0; i < tag.size(); ++i)
-            if (!mesh.vert[i].IsD())
-                mesh.vert[i].C() = colorOfTag(tag[i]);
+        forVertices(mesh, [&](std::size_t i) { mesh.vert[i].C() = colorOfTag(tag[i]); });
     }
     if (target.colorize || target.attribute.isEmpty())
         takeTags(layer, tag, target.colorize, target.attribute.isEmpty());

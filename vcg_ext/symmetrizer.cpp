@@ -15,6 +15,8 @@
 
 namespace vcg::fcd {
 
+using detail::ToWorld;
+
 namespace {
 
 // Places that tell the plane and the warp, which has 168 numbers: enough that a third of the noise is left in it.
@@ -32,19 +34,6 @@ constexpr double apart = 0.05; // of the diagonal: counterparts that are farther
 // Landmarks beside the surface, which tells nothing along itself: more than a match does there (a hundredth).
 constexpr double landmarkWeight = 0.1;
 
-/// From the world to the frame, and back; both are alike up to scale and place.
-class InWorld {
-  public:
-    InWorld(const Frame &frame, const Eigen::Affine3d &world)
-        : scale(frame.scale), origin(frame.origin + world.translation()) {}
-    Eigen::Vector3d Back(const Eigen::Vector3d &world) const { return (world - origin) / scale; }
-    Eigen::Vector3d operator()(const Eigen::Vector3d &p) const { return p * scale + origin; }
-
-  private:
-    double scale;
-    Eigen::Vector3d origin;
-};
-
 /// Landmarks in the order that the fit has them: the ends of each pair, the midline.
 struct Marks {
     std::vector<std::size_t> vertex, partner; // of partners, their numbers
@@ -58,7 +47,7 @@ struct Marks {
     }
 };
 
-Marks MarksOf(const SymmetryGoal &goal, const SurfaceView &source, const Frame &frame, const InWorld &world) {
+Marks MarksOf(const SymmetryGoal &goal, const SurfaceView &source, const Frame &frame, const ToWorld &world) {
     Marks marks;
     marks.pairs = goal.pairs.size();
     const auto add = [&](const SymmetryMark &mark, const SymmetryMark &partner, std::size_t number) {
@@ -85,7 +74,7 @@ Marks MarksOf(const SymmetryGoal &goal, const SurfaceView &source, const Frame &
     return marks;
 }
 
-MirrorPlane InFrame(const MirrorPlane &plane, const InWorld &world) {
+MirrorPlane InFrame(const MirrorPlane &plane, const ToWorld &world) {
     if (!plane.point.allFinite() || !plane.normal.allFinite() || !(plane.normal.norm() > 0))
         throw BadInput("The plane has no direction: give a point on it, and its normal, of any length but 0.");
     return {world.Back(plane.point), plane.normal.normalized()};
@@ -135,7 +124,7 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
                          const Progress &progress, const WeightOf &weight) {
     const RegionDeformer &region = fitter.Surface().Whole();
     const Frame &frame = region.surface.frame;
-    const InWorld inWorld(frame, world);
+    const ToWorld inWorld(frame, world);
     const Marks marks = MarksOf(goal, source, frame, inWorld);
     const std::vector<float> nodeWeight =
         weight ? WeightsAtNodes(source, weight, fitter.Surface()) : std::vector<float>();
@@ -267,7 +256,7 @@ double DistanceFromMirror(const Fitter &fitter, const SurfaceView &source, const
                           const Progress &progress, const WeightOf &weight) {
     const RegionDeformer &region = fitter.Surface().Whole();
     const Frame &frame = region.surface.frame;
-    const MirrorPlane plane = InFrame(given, InWorld(frame, world));
+    const MirrorPlane plane = InFrame(given, ToWorld(frame, world));
     SurfaceView moved = source;
     moved.position = position.data();
     const auto itself = fitter.Prepare({moved, normal, world, {}, weight, {}}, progress);

@@ -51,6 +51,17 @@ struct Frame {
 
 namespace detail {
 
+/// From the frame to the world with the whole of a layer's matrix, and back: they differ by a scale and a shift.
+struct ToWorld {
+    double scale;
+    Eigen::Vector3d origin;
+
+    ToWorld(const Frame &frame, const Eigen::Affine3d &world)
+        : scale(frame.scale), origin(frame.origin + world.translation()) {}
+    Eigen::Vector3d operator()(const Eigen::Vector3d &p) const { return p * scale + origin; }
+    Eigen::Vector3d Back(const Eigen::Vector3d &p) const { return (p - origin) / scale; }
+};
+
 /// A box without a few points far outside of it: the box of a sample's middle 80 %, eight times as large, where that is
 /// smaller. (Eight: what is a surface and not a stray point stays inside; the frame's floats lose no more than three
 /// bits by what is kept.) \param at position of each of \p count points

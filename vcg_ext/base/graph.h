@@ -134,17 +134,6 @@ Quotient<Value> QuotientGraph(const Csr &graph, const std::vector<Index> &groupO
     return dual;
 }
 
-/// The same without values. \return groups joined by at least one edge, ascending
-inline Csr QuotientGraph(const Csr &graph, const std::vector<Index> &groupOf, Index groups,
-                         const Progress &progress = {}, const char *stage = "Building the graph") {
-    struct None {
-        None &operator+=(const None &) { return *this; }
-    };
-    return QuotientGraph<None>(
-               graph, groupOf, groups, [](Index, Index, None &) { return true; }, progress, stage)
-        .adjacency;
-}
-
 /// Numbers from 0 to n - 1 that are joined: each is known by the smallest one that it is joined with.
 class DisjointSets {
   public:
@@ -171,12 +160,12 @@ class DisjointSets {
     std::vector<Index> parent; // of each, towards the smallest
 };
 
-/// The connected component of each node with takesPart(node), numbered in the order of their first nodes; -1 for other
-/// nodes. Blocks of neighbouring nodes are joined in parallel, then the edges between blocks. \return the number of
-/// components
-template <class TakesPart>
-Index ConnectedComponents(const Csr &graph, const TakesPart &takesPart, std::vector<Index> &componentOf,
-                          const Progress &progress, const char *stage) {
+/// The connected component of each node with takesPart(node), by the edges with joins(u, v), numbered in the order of
+/// their first nodes; -1 for other nodes. Blocks of neighbouring nodes are joined in parallel, then the edges between
+/// blocks. \return the number of components
+template <class TakesPart, class Joins>
+Index ConnectedComponents(const Csr &graph, const TakesPart &takesPart, const Joins &joins,
+                          std::vector<Index> &componentOf, const Progress &progress, const char *stage) {
     const Index n = graph.Size();
     DisjointSets joined(n);
     const std::size_t grain = 1 << 14;
@@ -188,7 +177,7 @@ Index ConnectedComponents(const Csr &graph, const TakesPart &takesPart, std::vec
             for (Index v : graph[u])
                 if (v >= u)
                     break; // neighbours are ascending
-                else if (!takesPart(v))
+                else if (!takesPart(v) || !joins(u, v))
                     continue;
                 else if (v >= Index(first))
                     joined.Join(u, v);
@@ -210,7 +199,7 @@ Index ConnectedComponents(const Csr &graph, const TakesPart &takesPart, std::vec
 inline Index ConnectedComponents(const Csr &graph, std::vector<Index> &componentOf, const Progress &progress = {},
                                  const char *stage = "Building the graph") {
     return ConnectedComponents(
-        graph, [](Index) { return true; }, componentOf, progress, stage);
+        graph, [](Index) { return true; }, [](Index, Index) { return true; }, componentOf, progress, stage);
 }
 
 } // namespace vcg::fcd

@@ -315,10 +315,6 @@ inline std::unique_ptr<PointTree<float>> TreeOf(const Eigen::Matrix3Xf &position
         points.emplace_back(position.col(i));
     return std::make_unique<PointTree<float>>(points);
 }
-/// Over all of them.
-inline std::unique_ptr<PointTree<float>> TreeOf(const Eigen::Matrix3Xf &position) {
-    return std::make_unique<PointTree<float>>(position);
-}
 
 } // namespace vcg::fcd
 

@@ -6,7 +6,6 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/SVD>
-#include <algorithm>
 #include <cmath>
 
 namespace vcg::fcd {

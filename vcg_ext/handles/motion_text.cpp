@@ -157,10 +157,8 @@ std::map<int, std::vector<MotionStep>> ReadMotionText(const std::string &text, c
 std::string WriteMotionText(const std::map<int, std::vector<MotionStep>> &motion) {
     std::string text;
     const auto add = [&text](const double *number, int count) {
-        for (int i = 0; i < count; ++i) {
-            char digits[32];
-            text.append(1, ' ').append(digits, std::to_chars(digits, digits + sizeof digits, number[i]).ptr);
-        }
+        for (int i = 0; i < count; ++i)
+            text += ' ' + detail::ToText(number[i]);
     };
     for (const auto &[tag, steps] : motion) {
         if (steps.empty())

@@ -9,7 +9,6 @@
 #include <vcg_ext/shape_constants.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>

@@ -11,7 +11,6 @@
 #include <array>
 #include <functional>
 #include <map>
-#include <memory>
 #include <vector>
 
 namespace vcg::fcd {

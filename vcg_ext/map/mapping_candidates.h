@@ -312,11 +312,11 @@ class MappingCandidates {
 
     /// Makes the ball of each node so small that it holds at most \p most other nodes.
     void LimitReach(std::size_t most) {
-        const auto tree = TreeOf(graph.graph.position);
+        const PointTree<float> tree(graph.graph.position);
         for (Index j = 0; j < graph.Size(); ++j)
             for (std::size_t wanted :
                  {std::size_t(64), most}) { // 64 neighbours are enough to see that most nodes need no limit
-                const float d = tree->DistanceOf(graph.graph.position.col(j), wanted + 1);
+                const float d = tree.DistanceOf(graph.graph.position.col(j), wanted + 1);
                 if (d >= reach[j])
                     break;
                 if (wanted == most)

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/map/moving_region.h>
 
-#include <algorithm>
-
 namespace vcg::fcd {
 
 void MovingRegion::ListVertices(const std::vector<Index> &nodeOf, const Progress &progress) {

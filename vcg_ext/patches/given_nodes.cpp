@@ -36,15 +36,16 @@ std::vector<Index> NearestNodes(const PositionsRef &rest, const SurfaceGraph &su
     std::vector<float> distance(k, std::numeric_limits<float>::infinity());
     std::vector<Index> nearest(k, -1);
     if (surface.graph.Size() > 0) {
-        const std::unique_ptr<PointTree<float>> tree = TreeOf(surface.graph.position);
+        const PointTree<float> tree(surface.graph.position);
         for (Index i = 0; i < k; ++i) {
-            nearest[i] = tree->Nearest(position.col(i));
+            nearest[i] = tree.Nearest(position.col(i));
             distance[i] = (surface.graph.position.col(nearest[i]) - position.col(i)).norm();
         }
     }
     // As far as patches reach: half-way to the next centre, or as k of them do that share the surface.
     const double shared = std::sqrt(surface.area / (double(EIGEN_PI) * double(k)));
-    const double patchRadius = std::min(0.25, std::max(shared, 0.5 * double(SpacingOf(*TreeOf(position), position))));
+    const double patchRadius =
+        std::min(0.25, std::max(shared, 0.5 * double(SpacingOf(PointTree<float>(position), position))));
     const float tooFar = float(std::max(patchRadius, surface.averageEdge) + 1e-5); // of the frame's diagonal, 1
     if (std::any_of(distance.begin(), distance.end(), [&](float d) { return d > tooFar; })) {
         std::vector<Eigen::Vector3f> held;

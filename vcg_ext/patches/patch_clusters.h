@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <memory>
-#include <utility>
 #include <vector>
 
 namespace vcg::fcd::detail {
@@ -44,76 +43,31 @@ inline std::vector<Index> CellBegins(const Graph &graph, int bits, const Progres
     return begin;
 }
 
-/// Joins the nodes that take part and are connected inside their cell.
-/// \param cellBegin of CellBegins
-/// \param clusterOf of each node, counted from the first one of its cell; -1 for one that does not take part
-/// \return the number of the first cluster of each cell, and that of all clusters
-inline std::vector<Index> JoinInCells(const Lloyd &nodes, const std::vector<Index> &cellBegin,
-                                      std::vector<Index> &clusterOf, const Progress &progress) {
-    const auto takesPart = [&](Index u) { return nodes.grower.TakesPart(u); };
-    const std::size_t cells = cellBegin.size() - 1;
-    AssignLarge(clusterOf, nodes.graph.Size(), Index(0));
-    std::vector<Index> clusterBegin(cells + 1, 0);
-    ParallelFor(progress, samplingStage, cells, 256, [&](std::size_t first, std::size_t last) {
-        std::vector<Index> parent; // of each node of a cell, towards the first node of its component
-        for (std::size_t cell = first; cell < last; ++cell) {
-            const Index lo = cellBegin[cell], hi = cellBegin[cell + 1];
-            auto root = [&](Index i) {
-                while (parent[i] != i)
-                    i = parent[i] = parent[parent[i]];
-                return i;
-            };
-            parent.resize(hi - lo);
-            for (Index u = lo; u < hi; ++u) {
-                Index top = parent[u - lo] = u - lo;
-                if (!takesPart(u))
-                    continue;
-                for (Index v : nodes.graph.adjacency[u]) {
-                    if (v >= u) // neighbours are ascending
-                        break;
-                    if (v < lo || !takesPart(v))
-                        continue;
-                    const Index other = root(v - lo);
-                    parent[std::max(top, other)] = std::min(top, other);
-                    top = std::min(top, other);
-                }
-            }
-            Index found = 0;
-            for (Index u = lo; u < hi; ++u) // ascending: the parent's number is known
-                clusterOf[u] = !takesPart(u) ? -1 : parent[u - lo] == u - lo ? found++ : clusterOf[lo + parent[u - lo]];
-            clusterBegin[cell + 1] = found;
-        }
-    });
-    for (std::size_t cell = 0; cell < cells; ++cell)
-        clusterBegin[cell + 1] += clusterBegin[cell];
-    return clusterBegin;
-}
-
 /// Barycentre, mass and extent of the clusters, from the nodes of each cell.
-inline void MeasureClusters(const Lloyd &nodes, const std::vector<Index> &cellBegin,
-                            const std::vector<Index> &clusterBegin, Clusters &c, const Progress &progress) {
+inline void MeasureClusters(const Lloyd &nodes, const std::vector<Index> &cellBegin, Clusters &c, Index clusters,
+                            const Progress &progress) {
     const Graph &graph = nodes.graph;
-    const Index clusters = clusterBegin.back();
     c.graph.position = Eigen::Matrix3Xf::Zero(3, clusters);
     c.mass.assign(clusters, 0);
     c.extent.assign(clusters, 0);
-    ParallelFor(progress, samplingStage, cellBegin.size() - 1, 256, [&](std::size_t first, std::size_t last) {
-        for (Index u = cellBegin[first]; u < cellBegin[last]; ++u) {
-            if (c.clusterOf[u] < 0)
-                continue;
-            const float mass = std::max(nodes.mass[u], 1e-30f); // a cluster of nodes without mass has a place, too
-            c.graph.position.col(c.clusterOf[u]) += mass * graph.position.col(u);
-            c.mass[c.clusterOf[u]] += mass;
-        }
-        for (Index i = clusterBegin[first]; i < clusterBegin[last]; ++i)
-            c.graph.position.col(i) /= c.mass[i];
-        for (Index u = cellBegin[first]; u < cellBegin[last]; ++u) {
-            if (c.clusterOf[u] < 0)
-                continue;
-            float &e = c.extent[c.clusterOf[u]];
-            e = std::max(e, (graph.position.col(u) - c.graph.position.col(c.clusterOf[u])).norm() +
-                                (nodes.extent.empty() ? 0 : nodes.extent[u]));
-        }
+    // A cluster is in one cell, so that no two threads write to it.
+    const auto forEach = [&](const Progress &progress, const auto &measure) {
+        ParallelFor(progress, samplingStage, cellBegin.size() - 1, 256, [&](std::size_t first, std::size_t last) {
+            for (Index u = cellBegin[first]; u < cellBegin[last]; ++u)
+                if (c.clusterOf[u] >= 0)
+                    measure(u, c.clusterOf[u]);
+        });
+    };
+    forEach(progress.Slice(0, 0.5), [&](Index u, Index i) {
+        const float mass = std::max(nodes.mass[u], 1e-30f); // a cluster of nodes without mass has a place, too
+        c.graph.position.col(i) += mass * graph.position.col(u);
+        c.mass[i] += mass;
+    });
+    for (Index i = 0; i < clusters; ++i)
+        c.graph.position.col(i) /= c.mass[i];
+    forEach(progress.Slice(0.5, 1), [&](Index u, Index i) {
+        c.extent[i] = std::max(c.extent[i], (graph.position.col(u) - c.graph.position.col(i)).norm() +
+                                                (nodes.extent.empty() ? 0 : nodes.extent[u]));
     });
 }
 
@@ -121,19 +75,18 @@ inline void MeasureClusters(const Lloyd &nodes, const std::vector<Index> &cellBe
 inline Clusters MakeClusters(const Lloyd &nodes, int bits, const Progress &progress) {
     Clusters c;
     const std::vector<Index> cellBegin = CellBegins(nodes.graph, bits, progress.Slice(0, 0.1));
-    const std::vector<Index> clusterBegin = JoinInCells(nodes, cellBegin, c.clusterOf, progress.Slice(0.1, 0.4));
-    ParallelFor(progress.Slice(0.4, 0.5), samplingStage, cellBegin.size() - 1, 256,
-                [&](std::size_t first, std::size_t last) {
-                    for (Index u = cellBegin[first]; u < cellBegin[last]; ++u) {
-                        while (u >= cellBegin[first + 1])
-                            ++first;
-                        if (c.clusterOf[u] >= 0)
-                            c.clusterOf[u] += clusterBegin[first];
-                    }
-                });
-    MeasureClusters(nodes, cellBegin, clusterBegin, c, progress.Slice(0.5, 0.7));
-    c.graph.adjacency =
-        QuotientGraph(nodes.graph.adjacency, c.clusterOf, clusterBegin.back(), progress.Slice(0.7, 1), samplingStage);
+    std::vector<Index> cellOf;
+    AssignLarge(cellOf, nodes.graph.Size(), Index(0));
+    for (std::size_t cell = 0; cell + 1 < cellBegin.size(); ++cell)
+        std::fill(cellOf.begin() + cellBegin[cell], cellOf.begin() + cellBegin[cell + 1], Index(cell));
+    const Index clusters = ConnectedComponents(
+        nodes.graph.adjacency, [&](Index u) { return nodes.grower.TakesPart(u); },
+        [&](Index u, Index v) { return cellOf[u] == cellOf[v]; }, c.clusterOf, progress.Slice(0.1, 0.5), samplingStage);
+    MeasureClusters(nodes, cellBegin, c, clusters, progress.Slice(0.5, 0.7));
+    c.graph.adjacency = QuotientGraph<char>(
+                            nodes.graph.adjacency, c.clusterOf, clusters, [](Index, Index, char &) { return true; },
+                            progress.Slice(0.7, 1), samplingStage)
+                            .adjacency;
     return c;
 }
 

@@ -56,17 +56,8 @@ GltfFile::GltfFile(WriteAt write, const std::vector<GltfMesh> &given, MorphAnima
 }
 
 void GltfFile::AddPart(std::size_t count, int component, const char *type, std::size_t bytes, int target, int numbers) {
-    Part part;
-    part.at = bufferBytes;
-    part.bytes = bytes;
-    part.count = count;
-    part.component = component;
-    part.type = type;
-    part.target = target;
-    part.numbers = numbers;
-    part.low.setConstant(std::numeric_limits<float>::max());
-    part.high = -part.low;
-    parts.push_back(part);
+    const Eigen::Array3f most = Eigen::Array3f::Constant(std::numeric_limits<float>::max());
+    parts.push_back({bufferBytes, bytes, count, component, type, target, most, -most, numbers});
     bufferBytes += (bytes + 3) / 4 * 4;
 }
 

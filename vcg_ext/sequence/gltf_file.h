@@ -49,13 +49,13 @@ class GltfFile {
 
     /// A part of the buffer, with numbers or an image.
     struct Part {
-        std::uint64_t at = 0, bytes = 0; ///< in the buffer
-        std::size_t count = 0;
-        int component = 5126; ///< float
-        const char *type = "VEC3";
-        int target = 0; ///< of the graphics card
+        std::uint64_t at, bytes; ///< in the buffer
+        std::size_t count;
+        int component;
+        const char *type;
+        int target; ///< of the graphics card
         Eigen::Array3f low, high;
-        int numbers = 0; ///< of low and high; 0: not told
+        int numbers; ///< of low and high; 0: not told
     };
 
     /// A mesh, and the numbers of its parts; none: there is no such.

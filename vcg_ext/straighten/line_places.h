@@ -13,17 +13,6 @@
 
 namespace vcg::fcd::detail {
 
-/// From the frame of a surface to the world, which differ by a scale and a shift.
-struct ToWorld {
-    double scale;
-    Eigen::Vector3d origin;
-
-    ToWorld(const Frame &frame, const Eigen::Affine3d &world)
-        : scale(frame.scale), origin(frame.origin + world.translation()) {}
-    Eigen::Vector3d operator()(const Eigen::Vector3d &p) const { return p * scale + origin; }
-    Eigen::Vector3d Back(const Eigen::Vector3d &p) const { return (p - origin) / scale; }
-};
-
 /// Longer than this or shorter than its inverse, edges do not get by a bend.
 constexpr double mostStretch = 2;
 

@@ -7,136 +7,107 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace vcg::fcd {
 
-class NearestPlace::Search {
-  public:
-    Search(const Eigen::Matrix3Xd &position, std::vector<std::array<Index, 3>> triangle,
-           const std::vector<char> &isVertex, const Progress &progress)
-        : position(position) {
-        assert(!triangle.empty() || std::count(isVertex.begin(), isVertex.end(), char(1)) > 0);
-        if (!triangle.empty()) {
-            triangles = std::make_unique<detail::TriangleTree>(position, std::move(triangle), progress);
-            return;
-        }
-        for (std::size_t i = 0; i < isVertex.size(); ++i)
-            if (isVertex[i])
-                vertex.push_back(Index(i));
-        Eigen::Matrix3Xd point(3, Eigen::Index(vertex.size()));
-        for (std::size_t i = 0; i < vertex.size(); ++i)
-            point.col(Eigen::Index(i)) = position.col(vertex[i]);
-        vertices = std::make_unique<PointTree<double>>(point, progress.threads);
-    }
+namespace {
 
-    SurfacePlace operator()(const Eigen::Vector3d &p, Hint &hint, const Eigen::Vector3d *normal) const {
-        SurfacePlace place;
-        if (vertices) {
-            Among(p, hint, place);
-            return place;
-        }
-        detail::TriangleTree::Nearest nearest = (*triangles)(p, hint.triangle);
-        hint.triangle = nearest.triangle;
-        if (normal && nearest.triangle >= 0 && triangles->NormalOf(nearest.triangle).dot(*normal) < 0) {
-            const double reach = std::sqrt(nearest.square) + 0.5 * triangles->LongestEdgeOf(nearest.triangle);
-            const detail::TriangleTree::Nearest facing = triangles->Facing(p, *normal, reach);
-            if (facing.triangle >= 0)
-                nearest = facing;
-        }
-        const double rounding = 1e-9; // at a vertex there is no other
-        for (int k = 0; k < 3 && nearest.triangle >= 0; ++k)
-            if (nearest.weight[k] > rounding) {
-                place.slot[place.count] = (*triangles)[nearest.triangle][std::size_t(k)];
-                place.weight[place.count++] = nearest.weight[k];
-            }
-        return place;
-    }
+// Where more vertices than these are at a place, as zeros for what a scanner missed, that place is all that is
+// found.
+constexpr std::size_t mostAsked = std::size_t(16) * (SurfacePlace::most + 1);
 
-    const std::vector<std::array<Index, 3>> &Triangles() const { return triangles->Triangles(); }
-
-    double SideOf(const Eigen::Vector3d &p, const Eigen::Vector3d &normal) const {
-        const Index t = triangles ? (*triangles)(p, -1).triangle : -1;
-        return t < 0 ? 0 : triangles->NormalOf(t).dot(normal);
-    }
-
-  private:
-    /// The vertices nearest to p, one of those at a place, by weights that fall to 0 at the next one, and are beyond
-    /// all others at the vertex itself (R. Franke, G. Nielson, Smooth interpolation of large sets of scattered data,
-    /// 1980).
-    void Among(const Eigen::Vector3d &p, Hint &hint, SurfacePlace &place) const {
-        std::array<std::pair<double, Index>, SurfacePlace::most + 1> found; // distances
-        std::size_t count = 0;
-        for (std::size_t asked = found.size(); count < found.size() && asked <= mostAsked; asked *= 4) {
-            thread_local std::vector<PointTree<double>::Neighbour> nearest;
-            vertices->Nearest(p, asked, nearest, hint.block);
-            hint.block = vertices->BlockOf(std::size_t(nearest.front().at));
-            count = 0;
-            for (std::size_t i = 0; i < nearest.size() && count < found.size(); ++i) {
-                const std::pair<double, Index> its(std::sqrt(nearest[i].square), vertex[std::size_t(nearest[i].point)]);
-                bool isRepeated = false;
-                for (std::size_t k = count; k > 0 && found[k - 1].first == its.first && !isRepeated; --k)
-                    isRepeated = position.col(found[k - 1].second) == position.col(its.second);
-                if (!isRepeated)
-                    found[count++] = its;
-            }
-            if (nearest.size() < asked)
-                break; // these are all
-        }
-        std::sort(found.begin(), found.begin() + std::ptrdiff_t(count));
-        const double farthest = found[0].first > 0 ? found[count - 1].first : 0; // at a vertex there is no other
-        double sum = 0;
-        for (std::size_t i = 0; i < count; ++i) {
-            const double near = std::max(found[i].first / farthest, 1e-6),
-                         weight = farthest > 0 ? detail::Squared(1 / near - 1) : 0;
-            if (!(weight > 0))
-                break;
-            place.slot[place.count] = found[i].second;
-            place.weight[place.count++] = weight;
-            sum += weight;
-        }
-        if (place.count == 0) { // one vertex, at it, or all of them equally far
-            place.slot[place.count] = found[0].second;
-            sum = place.weight[place.count++] = 1;
-        }
-        for (int i = 0; i < place.count; ++i)
-            place.weight[i] /= sum;
-    }
-
-    // Where more vertices than these are at a place, as zeros for what a scanner missed, that place is all that is
-    // found.
-    static constexpr std::size_t mostAsked = std::size_t(16) * (SurfacePlace::most + 1);
-
-    const Eigen::Matrix3Xd &position;
-    std::unique_ptr<detail::TriangleTree> triangles; ///< of a surface that has some
-    std::vector<Index> vertex;
-    std::unique_ptr<PointTree<double>> vertices;
-};
+} // namespace
 
 NearestPlace::NearestPlace(const Eigen::Matrix3Xd &position, std::vector<std::array<Index, 3>> triangle,
                            const std::vector<char> &isVertex, const Progress &progress)
-    : search(std::make_unique<Search>(position, std::move(triangle), isVertex, progress)) {}
+    : position(position) {
+    assert(!triangle.empty() || std::count(isVertex.begin(), isVertex.end(), char(1)) > 0);
+    if (!triangle.empty()) {
+        triangles = std::make_unique<detail::TriangleTree>(position, std::move(triangle), progress);
+        return;
+    }
+    for (std::size_t i = 0; i < isVertex.size(); ++i)
+        if (isVertex[i])
+            vertex.push_back(Index(i));
+    Eigen::Matrix3Xd point(3, Eigen::Index(vertex.size()));
+    for (std::size_t i = 0; i < vertex.size(); ++i)
+        point.col(Eigen::Index(i)) = position.col(vertex[i]);
+    vertices = std::make_unique<PointTree<double>>(point, progress.threads);
+}
 
 NearestPlace::~NearestPlace() = default;
 
-const std::vector<std::array<Index, 3>> &NearestPlace::Triangles() const { return search->Triangles(); }
+const std::vector<std::array<Index, 3>> &NearestPlace::Triangles() const { return triangles->Triangles(); }
 
-SurfacePlace NearestPlace::operator()(const Eigen::Vector3d &p) const {
-    Hint none;
-    return (*search)(p, none, nullptr);
-}
-
-SurfacePlace NearestPlace::operator()(const Eigen::Vector3d &p, Hint &hint) const {
-    return (*search)(p, hint, nullptr);
-}
-
-SurfacePlace NearestPlace::operator()(const Eigen::Vector3d &p, Hint &hint, const Eigen::Vector3d &normal) const {
-    return (*search)(p, hint, &normal);
+SurfacePlace NearestPlace::Find(const Eigen::Vector3d &p, Hint &hint, const Eigen::Vector3d *normal) const {
+    SurfacePlace place;
+    if (vertices) {
+        Among(p, hint, place);
+        return place;
+    }
+    detail::TriangleTree::Nearest nearest = (*triangles)(p, hint.triangle);
+    hint.triangle = nearest.triangle;
+    if (normal && nearest.triangle >= 0 && triangles->NormalOf(nearest.triangle).dot(*normal) < 0) {
+        const double reach = std::sqrt(nearest.square) + 0.5 * triangles->LongestEdgeOf(nearest.triangle);
+        const detail::TriangleTree::Nearest facing = triangles->Facing(p, *normal, reach);
+        if (facing.triangle >= 0)
+            nearest = facing;
+    }
+    const double rounding = 1e-9; // at a vertex there is no other
+    for (int k = 0; k < 3 && nearest.triangle >= 0; ++k)
+        if (nearest.weight[k] > rounding) {
+            place.slot[place.count] = (*triangles)[nearest.triangle][std::size_t(k)];
+            place.weight[place.count++] = nearest.weight[k];
+        }
+    return place;
 }
 
 double NearestPlace::SideOf(const Eigen::Vector3d &p, const Eigen::Vector3d &normal) const {
-    return search->SideOf(p, normal);
+    const Index t = triangles ? (*triangles)(p, -1).triangle : -1;
+    return t < 0 ? 0 : triangles->NormalOf(t).dot(normal);
+}
+
+/// The vertices nearest to p, one of those at a place, by weights that fall to 0 at the next one, and are beyond
+/// all others at the vertex itself (R. Franke, G. Nielson, Smooth interpolation of large sets of scattered data,
+/// 1980).
+void NearestPlace::Among(const Eigen::Vector3d &p, Hint &hint, SurfacePlace &place) const {
+    std::array<std::pair<double, Index>, SurfacePlace::most + 1> found; // distances
+    std::size_t count = 0;
+    for (std::size_t asked = found.size(); count < found.size() && asked <= mostAsked; asked *= 4) {
+        thread_local std::vector<PointTree<double>::Neighbour> nearest;
+        vertices->Nearest(p, asked, nearest, hint.block);
+        hint.block = vertices->BlockOf(std::size_t(nearest.front().at));
+        count = 0;
+        for (std::size_t i = 0; i < nearest.size() && count < found.size(); ++i) {
+            const std::pair<double, Index> its(std::sqrt(nearest[i].square), vertex[std::size_t(nearest[i].point)]);
+            bool isRepeated = false;
+            for (std::size_t k = count; k > 0 && found[k - 1].first == its.first && !isRepeated; --k)
+                isRepeated = position.col(found[k - 1].second) == position.col(its.second);
+            if (!isRepeated)
+                found[count++] = its;
+        }
+        if (nearest.size() < asked)
+            break; // these are all
+    }
+    std::sort(found.begin(), found.begin() + std::ptrdiff_t(count));
+    const double farthest = found[0].first > 0 ? found[count - 1].first : 0; // at a vertex there is no other
+    double sum = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const double near = std::max(found[i].first / farthest, 1e-6),
+                     weight = farthest > 0 ? detail::Squared(1 / near - 1) : 0;
+        if (!(weight > 0))
+            break;
+        place.slot[place.count] = found[i].second;
+        place.weight[place.count++] = weight;
+        sum += weight;
+    }
+    if (place.count == 0) { // one vertex, at it, or all of them equally far
+        place.slot[place.count] = found[0].second;
+        sum = place.weight[place.count++] = 1;
+    }
+    for (int i = 0; i < place.count; ++i)
+        place.weight[i] /= sum;
 }
 
 } // namespace vcg::fcd

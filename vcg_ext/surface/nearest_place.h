@@ -13,6 +13,12 @@
 
 namespace vcg::fcd {
 
+template <class Scalar>
+class PointTree;
+namespace detail {
+class TriangleTree;
+}
+
 /// A place on a surface: vertices and their weights, of sum 1.
 struct SurfacePlace {
     static constexpr int most = 8;
@@ -36,21 +42,26 @@ class NearestPlace {
     NearestPlace &operator=(const NearestPlace &) = delete;
 
     /// The place nearest to \p p, which changes continuously with it as far as the nearest one does.
-    SurfacePlace operator()(const Eigen::Vector3d &p) const;
+    SurfacePlace operator()(const Eigen::Vector3d &p) const {
+        Hint none;
+        return Find(p, none, nullptr);
+    }
 
     /// What was found for one point, to find the next one sooner that is near it; it changes no bit.
     struct Hint {
         Index triangle = -1;
         std::size_t block = std::size_t(-1); ///< of vertices, where there are no triangles
     };
-    SurfacePlace operator()(const Eigen::Vector3d &p, Hint &hint) const;
+    SurfacePlace operator()(const Eigen::Vector3d &p, Hint &hint) const { return Find(p, hint, nullptr); }
 
     /// The same for a point of another surface that stands for the same shape, as a thinned one does: where the nearest
     /// triangle looks away from \p normal, as the other wall of a fold does, the nearest one that does not, if it is
     /// hardly farther away. Two triangulations of a surface whose triangles turn by less than 90 degrees from one to
     /// the next are less than half an edge apart: so much farther.
     /// \param normal any length
-    SurfacePlace operator()(const Eigen::Vector3d &p, Hint &hint, const Eigen::Vector3d &normal) const;
+    SurfacePlace operator()(const Eigen::Vector3d &p, Hint &hint, const Eigen::Vector3d &normal) const {
+        return Find(p, hint, &normal);
+    }
 
     /// Whether the normals of points tell the sides of the surface: 1 where they look to where the nearest triangles
     /// do, -1 where they look the other way, 0 where neither is so for four fifths of them. In folds, a tenth has
@@ -74,10 +85,14 @@ class NearestPlace {
     const std::vector<std::array<Index, 3>> &Triangles() const;
 
   private:
+    SurfacePlace Find(const Eigen::Vector3d &p, Hint &hint, const Eigen::Vector3d *normal) const;
+    void Among(const Eigen::Vector3d &p, Hint &hint, SurfacePlace &place) const;
     double SideOf(const Eigen::Vector3d &p, const Eigen::Vector3d &normal) const;
 
-    class Search;
-    const std::unique_ptr<const Search> search;
+    const Eigen::Matrix3Xd &position;
+    std::unique_ptr<const detail::TriangleTree> triangles; ///< of a surface that has some
+    std::vector<Index> vertex;
+    std::unique_ptr<const PointTree<double>> vertices;
 };
 
 } // namespace vcg::fcd

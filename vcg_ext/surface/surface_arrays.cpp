@@ -63,16 +63,7 @@ SurfaceArrays::SurfaceArrays(std::size_t slots, std::size_t faces, std::size_t e
 }
 
 SurfaceView SurfaceArrays::View() const {
-    SurfaceView view;
-    view.position = position.get();
-    view.vertexSlots = slots;
-    view.deleted = deleted.get();
-    view.corner = corner.get();
-    view.faces = faces;
-    view.end = end.get();
-    view.edges = edges;
-    view.isCloud = isCloud;
-    return view;
+    return {position.get(), slots, deleted.get(), corner.get(), faces, end.get(), edges, isCloud};
 }
 
 } // namespace vcg::fcd

@@ -6,7 +6,6 @@
 #include <vcg_ext/base/progress.h>
 
 #include <Eigen/Core>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>

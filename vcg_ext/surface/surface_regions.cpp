@@ -24,7 +24,8 @@ FreeComponents FindComponents(const SurfaceGraph &surface, const std::vector<Ind
     FreeComponents found;
     const Csr &adjacency = surface.graph.adjacency;
     const auto isFree = [&](Index u) { return tag[std::size_t(u)] == 1; };
-    found.count = ConnectedComponents(adjacency, isFree, found.componentOf, progress, readingStage);
+    found.count = ConnectedComponents(
+        adjacency, isFree, [](Index, Index) { return true; }, found.componentOf, progress, readingStage);
     found.isHeld.assign(std::size_t(found.count), 0);
     const std::vector<Index> held =
         CollectInOrder(progress, readingStage, surface.graph.Size(), [&](Index u, std::vector<Index> &list) {
