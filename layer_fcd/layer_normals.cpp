@@ -2,13 +2,12 @@
 #include "angle_normals.h"
 #include "layer_normals.h"
 
-#include <vcg/complex/algorithms/update/bounding.h>
-
 #include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <mutex>
 #include <utility>
 
 using vcg::fcd::Index;
@@ -51,7 +50,16 @@ void computeNormals(CMeshO &mesh) {
 }
 
 void computeBoxAndNormals(CMeshO &mesh) {
-    vcg::tri::UpdateBounding<CMeshO>::Box(mesh);
+    std::mutex lock;
+    mesh.bbox.SetNull();
+    ParallelFor(0, mesh.vert.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
+        vcg::Box3<Scalarm> box;
+        for (std::size_t i = first; i < last; ++i)
+            if (!mesh.vert[i].IsD())
+                box.Add(mesh.vert[i].cP());
+        const std::lock_guard<std::mutex> guard(lock);
+        mesh.bbox.Add(box);
+    });
     computeNormals(mesh);
 }
 
