@@ -40,6 +40,7 @@ struct FitGoal {
     std::function<void()> isRead; ///< called when no array of it is needed any more; may be empty
     WeightOf weight;              ///< of each vertex: 0 does not count, 1 counts fully; may be empty: 1 everywhere
     std::vector<Curve> curves;    ///< that vertices of the source slide along, in the world; may be empty
+    const char *name = "target";  ///< what messages call it
 };
 
 /// What of a surface lies along a polyline.
