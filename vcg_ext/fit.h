@@ -75,7 +75,7 @@ struct FitParam : DeformationParam {
     /// [0, 1]: how much of the stiffness is against stretching. At 1, the surface goes as rigidly as possible. At 0,
     /// each node's map is affine, and only its change between neighbours costs: what is stretched, sheared or scaled
     /// all over is as free as in a thin-plate spline.
-    double rigidity = 1;
+    double fitRigidity = 1;
     double largestDistance = std::numeric_limits<double>::infinity(); ///< of matches, world units, > 0
     double largestAngle = 70;            ///< of matches, degrees between the normals, (0, 180]
     int fitSteps = 50;                   ///< from stiff to soft at most, >= 2

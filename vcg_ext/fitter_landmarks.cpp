@@ -170,7 +170,7 @@ void Fitter::Judge(const FitTarget &target, const FitPlacement &placement, bool 
 /// Nothing is told or asked for that says where it is, and its strain tells it.
 bool Fitter::MayBegin(const FitReport &report, bool isLed) const {
     return param.start == FitStart::AsItLies && !isLed && IsAllFree() && !report.otherSize && !report.mirrored &&
-           !report.flat && std::isinf(param.largestDistance) && param.rigidity == 1;
+           !report.flat && std::isinf(param.largestDistance) && param.fitRigidity == 1;
 }
 
 std::vector<Contradiction> Fitter::Doubted(const FitSamples &drawn, std::size_t first,
