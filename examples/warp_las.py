@@ -7,8 +7,8 @@ Needs laspy (with lazrs for LAZ) and pymeshlab_fcd. All that the points carry is
 (VLRs and EVLRs, with the coordinate system); normals in extra dimensions turn with the surface. A file stores coordinates as whole
 numbers of its scale, so a point moves to the nearest of these; where they do not reach to where the points go, the file gets another offset,
 and, where the points lie too far apart for that, a coarser scale. --vectors adds extra dimensions: how far each point went, as displacement_x, _y
-and _z, and the length of that, displacement. Each tile is written aside and then renamed: what stands there is whole
-at any time. Tiles of one name from several folders keep their folders. A tile that cannot be read or written is told at the end, and the
+and _z, and the length of that, displacement; where a tile has such already, these stay, and the new ones are displacement_2_x and so on. Each
+tile is written aside and then renamed: what stands there is whole at any time. Tiles of one name from several folders keep their folders. A tile that cannot be read or written is told at the end, and the
 others are done all the same."""
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ import contextlib
 import copy
 import os
 import sys
+import warnings
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -29,7 +30,6 @@ import pymeshlab_fcd
 CHUNK = 1_000_000  # points
 NORMALS = (("NormalX", "NormalY", "NormalZ"), ("normal_x", "normal_y", "normal_z"), ("nx", "ny", "nz"))  # CloudCompare, PDAL, others
 
-VECTORS = ("displacement_x", "displacement_y", "displacement_z", "displacement")
 
 
 def columns(points: Any, names: Iterable[str]) -> NDArray[np.float64]:
@@ -47,6 +47,17 @@ def chunks(reader: laspy.LasReader, size: int) -> Iterator[Any]:
         yield points
     if done != reader.header.point_count:
         raise ValueError(f"it is cut short: it has {done} of its {reader.header.point_count} points")
+
+
+def vector_names(present: Iterable[str]) -> list[str]:
+    """Of the dimensions of how far points went, none of which is there: x, y, z and length."""
+    there, number = {name.casefold() for name in present}, 1
+    while True:
+        own = "displacement" if number == 1 else f"displacement_{number}"
+        names = [f"{own}_x", f"{own}_y", f"{own}_z", own]
+        if there.isdisjoint(names):
+            return names
+        number += 1
 
 
 def targets(tiles: Iterable[str | Path], folder: str | Path) -> dict[Path, Path]:
@@ -108,10 +119,13 @@ def warp_within(bend: pymeshlab_fcd.Deformation, source: str | Path, target: str
         with laspy.open(source) as reader:
             names = [each for each in NORMALS if set(each) <= set(reader.header.point_format.dimension_names)]
             header = reader.header if reach is None else reaching(reader.header, *reach)
+            own = vector_names(header.point_format.dimension_names) if vectors else []
             if vectors:
                 header = copy.deepcopy(header)
-                present = set(header.point_format.dimension_names)
-                header.add_extra_dims([laspy.ExtraBytesParams(name, "f4") for name in VECTORS if name not in present])
+                if reach is None and own != vector_names(()):
+                    warnings.warn(f"{source} has {', '.join(vector_names(()))} already, or one of these, which stay: how far its points went is in "
+                                  f"{', '.join(own)}", stacklevel=3)
+                header.add_extra_dims([laspy.ExtraBytesParams(name, "f4") for name in own])
             with laspy.open(aside, mode="w", header=header, do_compress=target.suffix.lower() == ".laz") as writer:
                 for points in chunks(reader, chunk):
                     xyz = before = columns(points, "xyz")
@@ -127,7 +141,7 @@ def warp_within(bend: pymeshlab_fcd.Deformation, source: str | Path, target: str
                     points.x, points.y, points.z = xyz.T
                     if vectors:
                         way = xyz - before
-                        for name, values in zip(VECTORS, (*way.T, np.linalg.norm(way, axis=1))):
+                        for name, values in zip(own, (*way.T, np.linalg.norm(way, axis=1))):
                             points[name] = values
                     writer.write_points(points)
                 if reader.evlrs:

@@ -77,7 +77,7 @@ void ask(Fields &fields, FitMeshParam &param) {
         "tried turned by its axes, and scaled, and the log says which.");
     askStiffness(fields, fit);
     if (fields.hasNewer("rigidity"))
-        fields.field("rigidity", fit.rigidity, Shown::Advanced, rigidityText());
+        fields.field("rigidity", fit.fitRigidity, Shown::Advanced, rigidityText());
     askLargestDistance(fields, fit.largestDistance,
                        "What is farther from the target, in world units, has no counterpart and is carried along. "
                        "<b>0</b> (the default): no limit; the distances tell what is too far. <b>Lower it</b> where "

@@ -25,13 +25,13 @@ std::string inQuotes(const MeshModel &layer) { return inQuotes(layer.label()); }
 
 const MeshModel &checkedTarget(const MeshModel &layer, const MeshModel *target, const std::string &parameter) {
     if (!target)
-        throw vcg::fcd::Error("'" + parameter + "' names no layer of this document. Choose the layer that " +
-                              inQuotes(layer) + " is laid onto.");
+        throw vcg::fcd::Error("'" + parameter + "' names no layer of this document. Choose another one than " +
+                              inQuotes(layer) + ".");
     if (target == &layer)
         throw vcg::fcd::Error("'" + parameter + "' is " + inQuotes(layer) +
                               " itself, the current layer. Choose another one.");
     if (target->cm.vn == 0)
-        throw vcg::fcd::Error("The target " + inQuotes(*target) +
+        throw vcg::fcd::Error("Layer " + inQuotes(*target) +
                               " has no vertices. Choose a layer with a surface, or with points, as '" + parameter +
                               "'.");
     return *target;

@@ -123,9 +123,13 @@ std::vector<std::string> warningsOf(const StraightenedLayers &made) {
                               "cross-sections than along the line as it is given: it goes along the given one.");
     if (report.released > 0) {
         std::ostringstream line;
-        line << "Beside the line from ";
-        for (std::size_t i = 0; i < report.releasedAt.size() && i < 5; ++i)
-            line << (i > 0 ? ", from " : "") << report.releasedAt[i].first << " to " << report.releasedAt[i].second;
+        line << "Beside the line at ";
+        for (std::size_t i = 0; i < report.releasedAt.size() && i < 5; ++i) {
+            const auto &[from, to] = report.releasedAt[i];
+            line << (i > 0 ? ", " : "") << from;
+            if (to - from > 1e-3 * report.length) // else a patch of one vertex, or about that
+                line << " to " << to;
+        }
         line << (report.releasedAt.size() > 5 ? ", and elsewhere" : "")
              << " of its length, going with its cross-sections would fold the surface, or make it twice or half as "
                 "long: there it follows what is around as rigidly as possible. Where that is not meant, lay the line "

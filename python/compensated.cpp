@@ -2,6 +2,7 @@
 #include "compensated.h"
 #include "fitted.h"
 #include "listener.h"
+#include "pose_state.h"
 
 #include <algorithm>
 #include <limits>
@@ -39,6 +40,20 @@ Compensating::Compensating(const Rows &vertices, const std::optional<Corners> &f
         target.Validate();
         way = std::make_unique<const vcg::fcd::Compensation>(nominal, target, normal, param, progress);
     });
+}
+
+Compensating::Compensating(const nb::bytes &state) {
+    StateReader reader(compensationState, std::string(state.c_str(), state.size()));
+    auto read = std::make_unique<vcg::fcd::Compensation>();
+    reader(threads, *read);
+    reader.ExpectEnd();
+    way = std::move(read);
+}
+
+nb::bytes Compensating::state() const {
+    StateWriter writer(compensationState);
+    writer(threads, *way);
+    return nb::bytes(writer.text.data(), writer.text.size());
 }
 
 nb::dict Compensating::told() const {

@@ -19,6 +19,10 @@ class Compensating {
                  const std::optional<Corners> &scanFaces, const std::optional<Rows> &scanNormals, const nb::dict &param,
                  unsigned threads, const nb::object &report);
 
+    /// Of its state.
+    explicit Compensating(const nb::bytes &state);
+
+    nb::bytes state() const; ///< for pickles, without what to make
     nb::dict told() const;
     std::vector<std::string> warnings() const { return way->report.Warnings(); }
     nb::object made() const; ///< what to make, n x 3
@@ -26,7 +30,7 @@ class Compensating {
     nb::object apply(const Rows &points, bool predicted, const nb::object &report) const;
 
   private:
-    const unsigned threads;
+    unsigned threads = 0;
     std::unique_ptr<const vcg::fcd::Compensation> way;
 };
 

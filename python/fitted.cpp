@@ -30,7 +30,7 @@ FitParam fitParamOf(const nb::dict &given) {
     FitParam param;
     param.start = vcg::fcd::FitStart(nb::cast<int>(given["start"]));
     param.stiffness = nb::cast<double>(given["stiffness"]);
-    param.rigidity = nb::cast<double>(given["rigidity"]);
+    param.fitRigidity = nb::cast<double>(given["rigidity"]);
     param.largestDistance = nb::cast<double>(given["largest_distance"]);
     if (param.largestDistance == 0)
         param.largestDistance = std::numeric_limits<double>::infinity();

@@ -146,6 +146,8 @@ NB_MODULE(_core, module) {
                       const std::optional<Rows> &, const nb::dict &, unsigned, const nb::object &>(),
              arg("vertices"), arg("faces").none(), arg("scan"), arg("scan_faces").none(), arg("scan_normals").none(),
              arg("param"), arg("threads"), arg("report").none())
+        .def(nb::init<const nb::bytes &>(), arg("state"))
+        .def("state", &Compensating::state)
         .def("told", &Compensating::told)
         .def("warnings", &Compensating::warnings)
         .def("made", &Compensating::made)

@@ -3,6 +3,7 @@
 #define PYMESHLAB_FCD_POSE_STATE_H
 
 #include <vcg_ext/base/error.h>
+#include <vcg_ext/compensate.h>
 #include <vcg_ext/map/moving_surface.h>
 
 #include <cstring>
@@ -12,7 +13,7 @@
 #include <vector>
 
 /// \file
-/// A pose as bytes, for pickles. Both ways go through the same list of fields (fieldsOf).
+/// What was solved as bytes, for pickles. Both ways go through the same list of fields (fieldsOf).
 
 /// The fields of what has some, in the order in which they are written.
 template <class Take>
@@ -35,6 +36,21 @@ void fieldsOf(vcg::fcd::SurfacePose &pose, const Take &take) {
          pose.energy);
 }
 
+template <class Take>
+void fieldsOf(vcg::fcd::Compensation &way, const Take &take) {
+    way.Fields(take);
+}
+
+/// What a state is of.
+struct StateKind {
+    const char *mark;    ///< with which it begins
+    const char *refusal; ///< of what is none
+};
+inline constexpr StateKind poseState{"fcd pose 3\n",
+                                     "The pose was kept by another version of this package: pose the surface anew."};
+inline constexpr StateKind compensationState{
+    "fcd compensation 1\n", "The compensation was kept by another version of this package: compensate the part anew."};
+
 /// Which values are their bytes: numbers, and matrices of fixed size.
 template <class T>
 struct IsPlain : std::is_arithmetic<T> {};
@@ -47,14 +63,14 @@ struct IsPlain<Eigen::Transform<T, 3, Eigen::Affine>> : std::true_type {};
 /// Writes values one after the other, in this machine's byte order.
 class StateWriter {
   public:
-    std::string text = mark;
+    explicit StateWriter(const StateKind &kind) : text(kind.mark) {}
+
+    std::string text;
 
     template <class... T>
     void operator()(const T &...value) {
         (put(value), ...);
     }
-
-    static constexpr const char *mark = "fcd pose 3\n";
 
   private:
     void raw(const void *data, std::size_t size) { text.append(static_cast<const char *>(data), size); }
@@ -89,8 +105,9 @@ class StateWriter {
 /// Reads what StateWriter has written. \throw BadInput what it has not
 class StateReader {
   public:
-    explicit StateReader(std::string given) : text(std::move(given)), at(std::strlen(StateWriter::mark)) {
-        if (text.compare(0, at, StateWriter::mark) != 0)
+    StateReader(const StateKind &kind, std::string given)
+        : kind(kind), text(std::move(given)), at(std::strlen(kind.mark)) {
+        if (text.compare(0, at, kind.mark) != 0)
             Fail();
     }
 
@@ -105,9 +122,7 @@ class StateReader {
     }
 
   private:
-    [[noreturn]] static void Fail() {
-        throw vcg::fcd::BadInput("The pose was kept by another version of this package: pose the surface anew.");
-    }
+    [[noreturn]] void Fail() const { throw vcg::fcd::BadInput(kind.refusal); }
 
     void raw(void *data, std::size_t size) {
         if (size > text.size() - at)
@@ -156,6 +171,7 @@ class StateReader {
         raw(columns.data(), sizeof(double) * 3 * n);
     }
 
+    const StateKind kind;
     const std::string text;
     std::size_t at;
 };

@@ -22,7 +22,7 @@ Posed::Posed(std::shared_ptr<const Prepared> given, vcg::fcd::SurfacePose found,
       secondsSolve(seconds) {}
 
 Posed::Posed(std::shared_ptr<const Prepared> given, const nb::bytes &state) : prepared(std::move(given)) {
-    StateReader reader(std::string(state.c_str(), state.size()));
+    StateReader reader(poseState, std::string(state.c_str(), state.size()));
     reader(pose, reached, anyMoves, secondsSolve, secondsMap);
     reader.ExpectEnd();
     const auto &regions = prepared->deformer->regions;
@@ -42,7 +42,7 @@ Posed::Posed(std::shared_ptr<const Prepared> given, const nb::bytes &state) : pr
 }
 
 nb::bytes Posed::state() const {
-    StateWriter writer;
+    StateWriter writer(poseState);
     writer(pose, reached, anyMoves, secondsSolve, secondsMap);
     return nb::bytes(writer.text.data(), writer.text.size());
 }

@@ -591,7 +591,7 @@ def test_a_layer_that_is_fixed_everywhere_and_one_without_vertices():
     ms.apply_filter("set_selection_all")
     ms.apply_filter("meshing_remove_selected_vertices")
     ms.set_current_mesh(1)
-    check_error(ms, "The target 'empty' has no vertices", target_layer=2)
+    check_error(ms, "Layer 'empty' has no vertices", target_layer=2)
     ms.set_current_mesh(2)
     check_error(ms, "has no vertices. Make the mesh the current layer")
     with pytest.raises(pymeshlab.PyMeshLabException):

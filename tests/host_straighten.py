@@ -114,7 +114,7 @@ def test_folds_are_warned_of(capfd, tmp_path):
     """A thick tube laid round a corner, and the way back from there."""
     ms = layers(tube()[0] * [1, 2.5, 2.5], polyline(np.array([[0, 0, 0], [3, 0, 0], [4, 0, 0], [4.05, 0.05, 0], [4.05, 0.5, 0], [4.05, 5, 0.0]])))
     result, log = straighten_logged(ms, capfd, line_file=line_file(tmp_path / "l.csv", axis()), to=2, target_layer=0)
-    assert result["released_nodes"] > 0 and "Beside the line from" in log and "would fold the surface" in log
+    assert result["released_nodes"] > 0 and "Beside the line at " in log and "would fold the surface" in log
     assert result["folded_triangles"] > 0 and "flipped: the surface is folded there" in log
     saved = ms.apply_filter(SAVE, deformation_file=str(tmp_path / "back.ply"), inverse=True, source_layer=1, rest_graph=2, deformed_graph=3)
     assert saved["folded_vertices"] > 0 and "it has no way back" in capfd.readouterr().err

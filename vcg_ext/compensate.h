@@ -44,6 +44,7 @@ struct CompensateReport {
 /// The way from a nominal part to what to make.
 class Compensation {
   public:
+    Compensation() = default; ///< moves nothing
     /// Finds the warp. \pre the scan lies on the nominal part, up to the warp and what matching finds
     /// \param nominal triangles \param scan triangles or points \param scanNormal of points; may be empty
     /// \throw BadInput a nominal surface without area, a scan without vertices, nothing matched, a parameter out of
@@ -60,6 +61,14 @@ class Compensation {
 
     CompensateReport report;   ///< of all vertices
     Eigen::Matrix3Xd position; ///< what to make, a column for each vertex slot of the nominal part
+
+    /// All that it is, but position. \param take gets the fields
+    template <class Take>
+    void Fields(const Take &take) {
+        take(report.before, report.left, report.scanned, report.change, report.changeMost, report.missed,
+             report.rounding, report.spacing, report.thickness, report.placed, middle, scale, placed);
+        warp.Fields(take);
+    }
 
   private:
     void MakeVertices(const SurfaceView &nominal, const Eigen::AlignedBox3d &box, const Progress &progress);

@@ -119,7 +119,7 @@ Compensation::Compensation(const SurfaceView &nominal, const SurfaceView &scan, 
     double volume;
     const double area = SampleEvenly(nominal, param.samples, middle, scale, goal, volume);
     const Eigen::Affine3d toFrame = Eigen::Scaling(1 / scale) * Eigen::Translation3d(-middle);
-    const FitTarget target(scan, scanNormal, toFrame, progress.Slice(0, 0.1));
+    const FitTarget target(scan, scanNormal, toFrame, progress.Slice(0, 0.1), {}, {}, "scan");
     const double spacing = scan.isCloud ? std::sqrt(area / double(scan.vertexSlots)) : 0;
     report.spacing = spacing * scale;
     report.thickness = scanNormal ? std::numeric_limits<double>::infinity() : 2 * std::abs(volume) / area * scale;

@@ -40,6 +40,7 @@ struct FitGoal {
     std::function<void()> isRead; ///< called when no array of it is needed any more; may be empty
     WeightOf weight;              ///< of each vertex: 0 does not count, 1 counts fully; may be empty: 1 everywhere
     std::vector<Curve> curves;    ///< that vertices of the source slide along, in the world; may be empty
+    const char *name = "target";  ///< what messages call it
 };
 
 /// What of a surface lies along a polyline.
@@ -74,7 +75,7 @@ struct FitParam : DeformationParam {
     /// [0, 1]: how much of the stiffness is against stretching. At 1, the surface goes as rigidly as possible. At 0,
     /// each node's map is affine, and only its change between neighbours costs: what is stretched, sheared or scaled
     /// all over is as free as in a thin-plate spline.
-    double rigidity = 1;
+    double fitRigidity = 1;
     double largestDistance = std::numeric_limits<double>::infinity(); ///< of matches, world units, > 0
     double largestAngle = 70;            ///< of matches, degrees between the normals, (0, 180]
     int fitSteps = 50;                   ///< from stiff to soft at most, >= 2

@@ -38,6 +38,8 @@ Fitter::Fitter(const SurfaceView &source, const NormalOf &normal, const Handles 
                const Progress &progress, const WeightOf &weight)
     : source(source), handles(handles), param(param) {
     param.ValidateFit();
+    if (handles.tag.empty())
+        throw BadInput("There is nothing to fit: the surface has no vertices.");
     if (std::count(handles.tag.begin(), handles.tag.end(), 1) == 0)
         throw BadInput("There is nothing to fit: no vertex is free. Mark the part that may bend with tag 1.");
     deformer = PrepareDeformer(source, handles, param, progress.Slice(0, 0.65));

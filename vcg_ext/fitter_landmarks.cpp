@@ -41,11 +41,12 @@ Eigen::Affine3d Fitter::ToFrame(const Eigen::Affine3d &world) const {
 }
 
 std::shared_ptr<const FitTarget> Fitter::Prepare(const FitGoal &goal, const Progress &progress) const {
-    auto target =
-        std::make_shared<FitTarget>(goal.surface, goal.normal, ToFrame(goal.world), progress, goal.isRead, goal.weight);
+    auto target = std::make_shared<FitTarget>(goal.surface, goal.normal, ToFrame(goal.world), progress, goal.isRead,
+                                              goal.weight, goal.name);
     if (!(target->Spans().acrossLine > noShape))
-        throw BadInput("All of the target lies at one point or on one line, so it is no surface. Choose a surface, or "
-                       "points all over one; where points are meant one by one, give them as landmarks.");
+        throw BadInput("All of the " + std::string(goal.name) +
+                       " lies at one point or on one line, so it is no surface. Choose a surface, or points all over "
+                       "one; where points are meant one by one, give them as landmarks.");
     target->curves = goal.curves;
     const Eigen::Affine3d toFrame = ToFrame(Eigen::Affine3d::Identity());
     for (Curve &curve : target->curves) {
@@ -169,7 +170,7 @@ void Fitter::Judge(const FitTarget &target, const FitPlacement &placement, bool 
 /// Nothing is told or asked for that says where it is, and its strain tells it.
 bool Fitter::MayBegin(const FitReport &report, bool isLed) const {
     return param.start == FitStart::AsItLies && !isLed && IsAllFree() && !report.otherSize && !report.mirrored &&
-           !report.flat && std::isinf(param.largestDistance) && param.rigidity == 1;
+           !report.flat && std::isinf(param.largestDistance) && param.fitRigidity == 1;
 }
 
 std::vector<Contradiction> Fitter::Doubted(const FitSamples &drawn, std::size_t first,

@@ -27,7 +27,7 @@ void FitParam::ValidateFit() const {
     Validate();
     if (!(stiffness > 0) || std::isinf(stiffness))
         throw BadInput("The stiffness must be a positive, finite number; 1 is the default.");
-    if (!(rigidity >= 0 && rigidity <= 1))
+    if (!(fitRigidity >= 0 && fitRigidity <= 1))
         throw BadInput("The rigidity must be from 0 (smooth) to 1 (rigid, the default).");
     if (!(largestDistance > 0))
         throw BadInput("The largest distance of matches must be positive.");

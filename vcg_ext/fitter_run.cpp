@@ -49,7 +49,7 @@ Fitter::Run::Run(const Fitter &fitter, const FitTarget &target, const std::vecto
       samples(fitter.Matched(pose)), matched(samples.Size()), drawn(samples), place(fitter.Lead(landmark, pose, drawn)),
       curves(target.curves, fitter.deformer->nodeOf, region, pose, drawn), isLed(drawn.Size() > matched),
       parts(region, isAlone ? drawn.From(matched) : drawn, isAlone ? 0 : matched), isAnyFree(FreeNodes()),
-      isFree(parts.Led(isAnyFree)), system(region, isFree, drawn, param.smoothness, param.rigidity),
+      isFree(parts.Led(isAnyFree)), system(region, isFree, drawn, param.smoothness, param.fitRigidity),
       leads(drawn.Size() - matched, 1), pull(drawn.Size()), asItLies(graph), start(graph) {
     how.farthest = param.largestDistance / scale;
     how.edge = detail::Cosine(param.largestAngle * detail::pi / 180);
@@ -251,7 +251,7 @@ void Fitter::Run::Finish(const Progress &progress) {
         matches->LeaveOut(parts.CarriedSamples());
     }
     fitter.Arrive(drawn, matched, place, leads, parts.Led(isFree), graph, report, progress);
-    parts.Carry(isAnyFree, param.smoothness, param.rigidity, stiffest, graph, threads);
+    parts.Carry(isAnyFree, param.smoothness, param.fitRigidity, stiffest, graph, threads);
     report.curves = curves.Farthest(drawn, graph) * scale;
     report.carried = parts.Carried();
     report.carriedNode = parts.CarriedNodes();
@@ -293,7 +293,7 @@ Deformer::Pose Fitter::AtRest(const Progress &progress) const {
 /// Samples of the surface that are matched.
 FitSamples Fitter::Matched(const RegionPose &pose) const {
     FitSamples samples;
-    samples.isAffine = param.rigidity < 1;
+    samples.isAffine = param.fitRigidity < 1;
     for (Index node : sample)
         samples.Add(deformer->Whole(), pose, node);
     samples.normal = sampleNormal;

@@ -99,7 +99,7 @@ std::vector<double> Fitter::Run::Settle(const Progress &progress) {
 
 /// As stiff as what lies around them bears. \param end the stiffness of each node elsewhere
 void Fitter::Run::StiffenGaps(const std::vector<double> &end, const Progress &progress) {
-    const double least = *std::min_element(end.begin(), end.end());
+    const double least = end.empty() ? stiffest : *std::min_element(end.begin(), end.end()); // one point has none
     const FitGaps gaps(region, *matches, samples);
     const double bearable = std::max(mostMisfit * gaps.Misfit(*matches), FitMatches::least);
     const GraphPose without = graph;

@@ -135,7 +135,7 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
         warped.place.emplace_back(region.surface.graph.position.col(node).cast<double>());
         warped.weight.push_back(nodeWeight.empty() ? 1 : double(nodeWeight[std::size_t(node)]));
     }
-    const auto itself = fitter.Prepare({source, normal, world, {}, weight, {}}, progress.Slice(0, 0.1));
+    const auto itself = fitter.Prepare({source, normal, world, {}, weight, {}, "surface"}, progress.Slice(0, 0.1));
 
     MirrorPlane plane;
     report.isGiven = goal.plane.has_value();
@@ -187,7 +187,7 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
         return frame.metric.transpose() * plane.Turn(linear.inverse().transpose() * n);
     };
     SymmetricPose made;
-    made.target = fitter.Prepare({mirrored, normal ? mirroredNormal : NormalOf(), world, {}, weight, {}},
+    made.target = fitter.Prepare({mirrored, normal ? mirroredNormal : NormalOf(), world, {}, weight, {}, "surface"},
                                  progress.Slice(0.45, 0.55));
     std::vector<Landmark> landmarks;
     landmarks.reserve(marks.vertex.size());
@@ -259,7 +259,7 @@ double DistanceFromMirror(const Fitter &fitter, const SurfaceView &source, const
     const MirrorPlane plane = InFrame(given, ToWorld(frame, world));
     SurfaceView moved = source;
     moved.position = position.data();
-    const auto itself = fitter.Prepare({moved, normal, world, {}, weight, {}}, progress);
+    const auto itself = fitter.Prepare({moved, normal, world, {}, weight, {}, "surface"}, progress);
     std::vector<double> far;
     const std::size_t step = std::max<std::size_t>(1, source.vertexSlots / places);
     for (std::size_t i = 0; i < source.vertexSlots; i += step)

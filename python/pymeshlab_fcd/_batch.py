@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import concurrent.futures
 import contextlib
+import functools
 import hashlib
 import importlib
 import os
@@ -31,7 +32,7 @@ from ._motion import Motion
 from ._numbers import shown
 from ._ply import Ply
 from ._pose import Pose
-from ._results import Row, Table, source, state
+from ._results import Row, Table, state
 from ._straighten import straighten
 from ._symmetrize import symmetrize
 
@@ -206,23 +207,21 @@ def _job(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
     return row
 
 
-def _stamp(path: Path) -> str:
-    try:
-        known = path.stat()
-        return f"{shown(path.resolve())} {known.st_size} {known.st_mtime_ns}"
-    except OSError:
-        return f"{shown(path)} is not there"
-
-
-def _key(given: argparse.Namespace, path: Path) -> str:
-    """Of all that a result depends on: what has the same is not done again."""
-    asked = {name: value for name, value in vars(given).items() if name not in ("files", "out", "processes", "scheduler", "mean", "again")}
-    known = [path, *(Path(value) for name, value in asked.items() if name in ("template", "deformation", "measure") and value),
-             *(Path(value) / f"{path.stem}.csv" for name, value in asked.items()
-               if name in ("landmarks", "lines", "pairs", "midlines") and value)]
-    if asked.get("curves"):
-        known.append(_curves_of(asked["curves"], path))
-    return hashlib.sha256("\n".join([repr(sorted(asked.items())), *map(_stamp, known)]).encode()).hexdigest()[:16]
+def _key(given: argparse.Namespace, defaults: Mapping[str, object], path: Path, known: Callable[[Path], str]) -> str:
+    """Of all that a result depends on, in two words: what is in the file, and what is asked. What has the same is not done again, wherever
+    it lies; an option that is not given counts for nothing, so that a later version may have more of them. known: what is in a file"""
+    asked: dict[str, object] = {}
+    for name, value in vars(given).items():
+        if name in ("files", "out", "processes", "scheduler", "mean", "again") or value == defaults.get(name):
+            continue
+        if name in ("template", "deformation", "measure"):
+            value = known(Path(value))
+        elif name in ("landmarks", "lines", "pairs", "midlines"):
+            value = known(Path(value) / f"{path.stem}.csv")
+        elif name == "curves":
+            value = known(_curves_of(value, path))
+        asked[name] = value
+    return f"{known(path) or '-'} {hashlib.sha256(repr(sorted(asked.items())).encode()).hexdigest()[:16]}"
 
 
 def _on_cluster(client: Any, given: argparse.Namespace, jobs: Sequence[tuple[Path, Path]]) -> Iterator[tuple[Path, Row]]:
@@ -280,7 +279,8 @@ def _write_mean(files: Sequence[Path], out: Path, scaled: bool) -> None:
          f"{shown(files[far])} the most, {found.apart[far]:.4g}")
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parsers() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.ArgumentParser]]:
+    """That of the command, and those of its jobs."""
     parser = argparse.ArgumentParser(prog="python -m pymeshlab_fcd", description="Does one job on many files. What the folder of the results "
                                      "has already, of the same files and options, is left; a table there has a row for each file, with its "
                                      "figures and warnings. The status is 0 where all files are done, 1 where some could not be, 2 where the "
@@ -335,7 +335,7 @@ def _parser() -> argparse.ArgumentParser:
     made.add_argument("--stiffness", type=float, default=1.0)
     made.add_argument("--landmark-tolerance", type=float, default=0.0)
     job("info", "Tells of each file, or saved deformation, how large it is and where.", "FILE")
-    return parser
+    return parser, jobs.choices
 
 
 def _say(text: str, file: TextIO | None = None) -> None:
@@ -374,8 +374,8 @@ def _looked_at(parser: argparse.ArgumentParser, given: argparse.Namespace, paths
             parser.error(f"{shown(out)} would be written over what is read: give another folder")
 
 
-def _table(parser: argparse.ArgumentParser, given: argparse.Namespace, outs: Mapping[Path, Path]) -> Table | None:
-    """That of the folder, none of whose results may be of another file or job."""
+def _table(parser: argparse.ArgumentParser, given: argparse.Namespace, outs: Mapping[Path, Path], keys: Mapping[Path, str]) -> Table | None:
+    """That of the folder, none of whose results may be of another file or job. A file may have been moved: it is known by what is in it."""
     if not given.out:
         return None
     folder = Path(given.out)
@@ -389,10 +389,14 @@ def _table(parser: argparse.ArgumentParser, given: argparse.Namespace, outs: Map
     for path, out in written:
         for job, each in {given.job: table, **others}.items():
             for row in each.owners(out):
-                if job != given.job or (row["source"] != source(path) and not _files.same_file(f"{row['source']}", path)):
-                    if row["source"] == source(out):
+                if job == given.job and row["source"] == each.source(path):
+                    continue
+                if job == given.job and (_files.same_file(each.place(row), path) or f"{row['key']}".split(" ")[0] == keys.get(path, "").split(" ")[0]):
+                    each.rename(row, path)
+                else:
+                    if row["source"] == each.source(out):
                         parser.error(f"{shown(out)} is the mean that {job} made: give another folder, or delete it first")
-                    parser.error(f"{shown(out)} is what {job} made of {row['source']}: give another folder, or delete it first")
+                    parser.error(f"{shown(out)} is what {job} made of {each.place(row)}: give another folder, or delete it first")
     return table
 
 
@@ -408,7 +412,7 @@ def _folder(parser: argparse.ArgumentParser, given: argparse.Namespace) -> conte
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    parser = _parser()
+    parser, jobs = _parsers()
     given = parser.parse_args(arguments)
     paths = list(dict.fromkeys(Path(each) for each in given.files))
     ending = "" if given.job == "info" else ".ply"
@@ -418,7 +422,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with _workers.terminable(), _folder(parser, given) as is_alone:
             if not is_alone:
                 parser.error(f"another command is writing to --out {shown(given.out)}: wait until it is done, or give another folder")
-            return _go(given, outs, _table(parser, given, outs))
+            defaults = {name: jobs[given.job].get_default(name) for name in vars(given)}
+            known = functools.cache(state)  # a template is read once
+            keys = {path: _key(given, defaults, path, known) for path in outs} if given.out else {}
+            return _go(given, outs, keys, _table(parser, given, outs, keys))
     except BrokenPipeError:  # whoever read what is said is gone, as of "| head"
         with contextlib.suppress(AttributeError, OSError, ValueError):  # what is still to be said goes nowhere
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -433,13 +440,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 128 + (signal.SIGTERM if is_asked else signal.SIGINT)
 
 
-def _go(given: argparse.Namespace, outs: Mapping[Path, Path], table: Table | None) -> int:
+def _go(given: argparse.Namespace, outs: Mapping[Path, Path], keys: Mapping[Path, str], table: Table | None) -> int:
     """Does what is left. Returns the status."""
     rows = table.rows if table else {}
-    keys = {path: _key(given, path) for path in outs}
 
     def is_as_written(path: Path) -> bool:
-        row = rows.get(source(path))
+        row = rows.get(table.source(path)) if table else None
         return row is not None and not row.get("error") and row.get("key") == keys[path] and row["result"] == state(*_results_of(given, outs[path]))
 
     done = set() if given.again else {path for path in outs if is_as_written(path)}

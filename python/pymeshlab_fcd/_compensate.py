@@ -34,13 +34,20 @@ class CompensationInfo:
 
 
 class Compensated:
-    """What to print, by [compensate][pymeshlab_fcd.compensate]."""
+    """What to print, by [compensate][pymeshlab_fcd.compensate]. It can be pickled."""
 
     def __init__(self, way: _core.Compensating, nominal: Points) -> None:
         self._way = way
         self._nominal = nominal
         self._vertices: Points = way.made()
         self._vertices.flags.writeable = False
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"way": self._way.state(), "nominal": self._nominal, "vertices": self._vertices}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self._way = _core.Compensating(state["way"])
+        self._nominal, self._vertices = (_inputs.own(state[name], np.float64) for name in ("nominal", "vertices"))
 
     @property
     def vertices(self) -> Points:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import hashlib
 import io
 import os
 from collections.abc import Sequence
@@ -15,15 +16,17 @@ Row = dict[str, object]
 _LAST = ("seconds", "warnings", "error", "source", "result", "key")
 
 
-def source(path: Path) -> str:
-    """What a row is of, wherever the command is called."""
-    return shown(os.path.abspath(path))
-
-
 def state(*paths: Path) -> str:
-    """Sizes and times of files: others when one was written anew. Empty where one is not there."""
+    """What is in files, wherever they are and whenever they were written. Empty where one cannot be read."""
+    def of(path: Path) -> str:
+        found = hashlib.blake2b(digest_size=10)
+        with open(path, "rb") as file:
+            while part := file.read(1 << 20):
+                found.update(part)
+        return found.hexdigest()
+
     try:
-        return "; ".join(f"{known.st_size} {known.st_mtime_ns}" for known in (os.stat(path) for path in paths))
+        return " ".join(map(of, paths))
     except OSError:
         return ""
 
@@ -34,6 +37,7 @@ class Table:
     def __init__(self, path: Path, files: Sequence[Path] = ()) -> None:
         """Raises ValueError where the file is none of these tables, OSError where it cannot be read."""
         self.path = path
+        self._folder = os.path.abspath(path.parent)
         self.rows: dict[str, Row] = {}
         if path.exists():
             with open(path, newline="", encoding="utf-8-sig", errors="replace") as file:
@@ -41,9 +45,31 @@ class Table:
                 if not {"file", "key"} <= set(reader.fieldnames or ["file", "key"]):
                     raise ValueError(f"{shown(path)} would be written over, but is no table of results: rename it, or give another folder")
                 self.rows = {row["source"]: dict(row) for row in reader if row.get("key") and row.get("source")}  # the last may be half a row
-        self.order = list(dict.fromkeys([*map(source, files), *self.rows]))
+        self.order = list(dict.fromkeys([*map(self.source, files), *self.rows]))
         self.names: list[str] = []
         self._results: dict[str, list[Row]] | None = None
+
+    def source(self, path: Path) -> str:
+        """What a row is of, as seen from the table: wherever the command is called, and wherever both are moved to."""
+        full = os.path.abspath(path)
+        try:
+            return shown(Path(os.path.relpath(full, self._folder)).as_posix())
+        except ValueError:  # on another drive
+            return shown(full)
+
+    def place(self, row: Row) -> str:
+        """Where that is."""
+        return os.path.normpath(os.path.join(self._folder, f"{row['source']}"))
+
+    def rename(self, row: Row, path: Path) -> None:
+        """A row is of what is elsewhere now."""
+        was, now = f"{row['source']}", self.source(path)
+        self.rows.pop(now, None)
+        row["file"], row["source"] = shown(path), now
+        self.rows = {f"{each['source']}": each for each in self.rows.values()}
+        self.order = [name for name in self.order if name != was]
+        if now not in self.order:
+            self.order.append(now)
 
     def owners(self, out: Path) -> list[Row]:
         """Those of which a file is the result, as it was written."""
@@ -52,7 +78,7 @@ class Table:
             for row in self.rows.values():
                 self._results.setdefault(Path(f"{row['source']}").stem.casefold(), []).append(row)
         now = state(out)
-        return [row for row in self._results.get(shown(out.stem).casefold(), []) if now and f"{row['result']}".split("; ")[0] == now]
+        return [row for row in self._results.get(shown(out.stem).casefold(), []) if now and f"{row['result']}".split(" ")[0] == now]
 
     def write(self) -> None:
         """All of it, in the order of the files."""
@@ -64,10 +90,11 @@ class Table:
         _files.write(self.path, text.getvalue().encode("utf-8", "backslashreplace"))
 
     def add(self, path: Path, row: Row) -> None:
-        row = {"file": shown(path), **row, "source": source(path)}
-        self.rows[source(path)] = row
-        if source(path) not in self.order:
-            self.order.append(source(path))
+        name = self.source(path)
+        row = {"file": shown(path), **row, "source": name}
+        self.rows[name] = row
+        if name not in self.order:
+            self.order.append(name)
         if not set(row) <= set(self.names):  # columns that it does not have yet
             self.write()
             return

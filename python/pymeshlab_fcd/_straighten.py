@@ -194,9 +194,10 @@ def straighten(
         found.append((LineWarning, "The surface would be stretched more along the line through the middles of its cross-sections than along the "
                                    "line as it is given: it goes along the given one."))
     if made.line.released > 0:
-        places = ", ".join(f"{begin:g} to {end:g}" for begin, end in made.line.released_at[:5])
-        more = " and elsewhere" if len(made.line.released_at) > 5 else ""
-        found.append((LineWarning, f"Beside the line from {places}{more} of its length, going with its cross-sections would fold the surface, "
+        short = 1e-3 * made.line.length  # a patch of one vertex, or about that
+        places = ", ".join(f"{begin:g} to {end:g}" if end - begin > short else f"{begin:g}" for begin, end in made.line.released_at[:5])
+        more = ", and elsewhere" if len(made.line.released_at) > 5 else ""
+        found.append((LineWarning, f"Beside the line at {places}{more} of its length, going with its cross-sections would fold the surface, "
                                    "or make it twice or half as long: there it follows what is around as rigidly as possible. Where that is "
                                    "not meant, lay the line through the middle (middle=True), or raise smoothing."))
     folded = made._check(report(told, 95, 100))["folded"]

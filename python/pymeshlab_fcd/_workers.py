@@ -11,8 +11,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
-from multiprocessing.connection import Connection
-from typing import Any, Final, TypeVar
+from typing import Any, Final, Protocol, TypeVar
 
 Result = TypeVar("Result")
 
@@ -48,7 +47,13 @@ def _interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
 
-def _watch(parent: Connection) -> None:
+class _End(Protocol):
+    """Of a pipe, whose class is another one on Windows."""
+
+    def poll(self, timeout: float | None = ...) -> bool: ...
+
+
+def _watch(parent: _End) -> None:
     def wait() -> None:
         global _is_ending
         with contextlib.suppress(OSError):

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """python -m pymeshlab_fcd: whose a result is, what ends it, and files as others write them."""
+import argparse
 import csv
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -56,6 +58,50 @@ def test_a_result_is_of_one_file_and_one_job(tmp_path, capsys, monkeypatch):
     assert "is no table of results" in refused(capsys, ["symmetrize", tmp_path / "b" / "x.ply", "--out", tmp_path / "p"])
 
 
+def test_files_are_known_wherever_they_are(tmp_path, capsys, monkeypatch):
+    """By what is in them: a folder may be moved, copied, or be another one's link; nothing of it is done again, and nothing is another's."""
+    vertices, faces, tags, _ = bar(9, 3)
+    scans = tmp_path / "job" / "scans"
+    scans.mkdir(parents=True)
+    for name in "ab":
+        write_ply(scans / f"{name}.ply", vertices + [0, 0, ord(name)], faces, tags)
+
+    def run(job, *given, scans="scans"):
+        monkeypatch.chdir(job)
+        status = main(["deform", *(str(job / scans / f"{name}.ply") for name in "ab"), "--move", "2", "translate 0 0 1", "--out", "out", *given])
+        return status, "2 of 2 files are done already" in capsys.readouterr().out, list(table(job / "out" / "deform.csv"))
+
+    first = run(tmp_path / "job")
+    assert first[:2] == (0, False) and run(tmp_path / "job")[:2] == (0, True)
+    (tmp_path / "job").rename(tmp_path / "moved")
+    moved = run(tmp_path / "moved")
+    assert moved[:2] == (0, True) and len(moved[2]) == 2
+    shutil.copytree(tmp_path / "moved", tmp_path / "copied", copy_function=shutil.copyfile)  # with other times
+    assert run(tmp_path / "copied")[:2] == (0, True)
+    (tmp_path / "copied" / "scans").rename(tmp_path / "copied" / "elsewhere")  # beside the results
+    again = run(tmp_path / "copied", scans="elsewhere")
+    assert again[:2] == (0, True)
+    other = run(tmp_path / "copied", "--percent", "50", scans="elsewhere")
+    assert other[:2] == (0, False) and len(other[2]) == 2 and all("elsewhere" in name for name in other[2])
+    (tmp_path / "copied" / "elsewhere").rename(tmp_path / "copied" / "third")
+    third = run(tmp_path / "copied", scans="third")  # with other options, too
+    assert third[:2] == (0, False) and len(third[2]) == 2 and all("third" in name for name in third[2])
+
+
+def test_an_option_that_is_not_given_counts_for_nothing():
+    """So that what an earlier version did, which had fewer, is done."""
+    from pymeshlab_fcd import _batch
+
+    jobs = _batch._parsers()[1]
+    given = _batch._parsers()[0].parse_args(["deform", "x.ply", "--out", "o", "--move", "2", "scale 2"])
+    defaults = {name: jobs["deform"].get_default(name) for name in vars(given)}
+    keys = []
+    for later in ({}, {"newer": None}, {"newer": 1}):
+        more = argparse.Namespace(**{**vars(given), **later})
+        keys.append(_batch._key(more, {**defaults, "newer": None}, _batch.Path("x.ply"), lambda path: "same"))
+    assert keys[0] == keys[1] != keys[2]
+
+
 def test_the_mean_is_of_what_was_fitted(tmp_path, capsys):
     from pymeshlab_fcd import _batch
 
@@ -70,7 +116,8 @@ def test_the_mean_is_of_what_was_fitted(tmp_path, capsys):
 
     def beside(given, path, other, threads):  # another program writes there, too
         row = job(given, path, other, threads)
-        (out / "scan0.ply").write_bytes((tmp_path / "mean.ply").read_bytes())
+        if other.stem == "scan1":
+            (out / "scan0.ply").write_bytes((tmp_path / "mean.ply").read_bytes())
         return row
 
     _batch._JOBS["fit"] = beside
@@ -152,7 +199,7 @@ def test_many_files_are_told_apart_at_once(tmp_path, monkeypatch):
     looked, stat = [], os.stat
     monkeypatch.setattr(_files.os, "stat", lambda *given, **more: (looked.append(given), stat(*given, **more))[1])
     paths = [tmp_path / f"{i}.ply" for i in range(400)]
-    parser = _batch._parser()
+    parser = _batch._parsers()[0]
     given = parser.parse_args(["deform", *map(str, paths), "--out", str(tmp_path / "o")])
     _batch._looked_at(parser, given, paths, {path: tmp_path / "o" / path.name for path in paths})
     assert len(looked) < 10 * len(paths)

@@ -183,6 +183,10 @@ def test_what_makes_no_sense_is_told(part):
         given = {**dict(vertices=nominal, faces=faces, scan_vertices=points, scan_faces=triangles), **wrong}
         with pytest.raises(ValueError, match=text):
             compensate(**given)
+    with pytest.raises(ValueError, match="The scan has no triangle with an area"):
+        compensate(nominal, faces, points, [[0, 0, 1]])
+    with pytest.raises(ValueError, match="The scan has no vertices whose coordinates are finite"):
+        compensate(nominal, faces, points * np.nan, triangles)
     with pytest.raises(TypeError, match="no scan"):
         compensate(nominal, faces)
     with pytest.raises(ValueError, match="not finite"):

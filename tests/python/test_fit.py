@@ -443,6 +443,16 @@ def test_the_same_bits_as_the_filter(tmp_path, kind):
     assert same(fit(VERTICES, FACES, TARGET, TARGET_FACES, **given, **QUICK).vertices, np.ascontiguousarray(ms.current_mesh().vertex_matrix()))
 
 
+@pytest.mark.filterwarnings("ignore::pymeshlab_fcd.DeformationWarning")
+@pytest.mark.parametrize("points", [1, 2, 3])
+def test_few_points(points):
+    if points == 1:
+        with pytest.raises(ValueError, match="nothing of the surface has a counterpart"):
+            fit(VERTICES[:1], None, TARGET, TARGET_FACES)
+    else:
+        assert np.isfinite(fit(VERTICES[:points], None, TARGET, TARGET_FACES).vertices).all()
+
+
 FIXED = np.where(VERTICES[:, 2] < 0.3, 0, 1)
 NOWHERE = np.array([[0, 0, 0.0], [0, 0, 1]])
 

@@ -11,11 +11,28 @@ import pytest
 from shapes import bar, same
 
 import pymeshlab_fcd as fcd
-from pymeshlab_fcd import Deformer, Fitter, KeyFrame, Motion, PoseSequence, straighten
+from pymeshlab_fcd import Deformer, Fitter, KeyFrame, Motion, PoseSequence, compensate, straighten
 
 VERTICES, FACES, TAGS, LIFT = bar()
 TURN = Motion.rotate([0, 1, 0], -200).then(Motion.translate([-2, 0, 3]))
 LINE = [[0, 0.5, 0], [5, 0.5, 0], [10, 0.5, 0]]
+
+
+@pytest.mark.filterwarnings("ignore::pymeshlab_fcd.DeformationWarning")
+def test_all_that_is_public_can_be_sent_and_copied():
+    deformer, fitter = Deformer(VERTICES, FACES, TAGS), Fitter(VERTICES, FACES, patches=40, samples=300)
+    pose, fitted = deformer.pose({2: LIFT}), fitter.fit(VERTICES + 0.1, FACES)
+    bent, even = straighten(VERTICES, FACES, LINE), fcd.symmetrize(VERTICES, FACES)
+    printed, poses = compensate(VERTICES, FACES, VERTICES * 1.01, FACES), PoseSequence({"up": {2: LIFT}}, [KeyFrame(0), KeyFrame(1, {"up": 100})])
+    found = [deformer, deformer.graph, deformer.weights(), deformer.info, fitter, pose, pose.info, pose.contact, pose.deformation(), pose.deformation().grid(2), fitted,
+             fitted.info, bent, bent.line, even, even.symmetry, even.other_side(), printed, printed.info, poses, poses.keys[0], TURN, fcd.Look(),
+             fcd.Companion(VERTICES), fcd.Curve("rim", VERTICES[:3], VERTICES[:3]), fcd.FrameContact(0, 1, 0.5),
+             fcd.AnimationInfo(**dict.fromkeys(fcd.AnimationInfo.__dataclass_fields__, 0))]
+    found += [each("why") for each in vars(fcd).values() if isinstance(each, type) and issubclass(each, Warning)]
+    assert {type(each) for each in found} == {each for each in vars(fcd).values() if isinstance(each, type)}
+    for thing in found:
+        for other in [*sent(thing), copy.copy(thing), copy.deepcopy(thing)]:
+            assert type(other) is type(thing) and len(repr(other)) > 0
 
 
 def sent(thing):
@@ -106,6 +123,20 @@ def test_lines_and_sequences():
     blended = poses.blend(deformer, {"aside": 100})
     for other in sent(blended):
         expect_same(blended, other)
+
+
+def test_compensations():
+    made = compensate(VERTICES, FACES, VERTICES @ np.diag([1.01, 1, 1]) + [0, 0, 0.1], FACES, degree=2, threads=1)
+    for other in [*sent(made), copy.copy(made), copy.deepcopy(made), sent(sent(made)[0])[1]]:
+        assert other.info == made.info and repr(other) == repr(made)
+        assert same(other.vertices, made.vertices) and same(other.change, made.change)
+        assert same(other.map(VERTICES + 0.01), made.map(VERTICES + 0.01)) and same(other.predict(VERTICES), made.predict(VERTICES))
+        with pytest.raises(ValueError, match="read-only"):
+            other.vertices[0] = 0
+    state = made.__getstate__()
+    for way in (b"", b"fcd pose 3\n", state["way"][:-1], state["way"] + b"x"):
+        with pytest.raises(ValueError, match="kept by another version of this package: compensate the part anew"):
+            copy.copy(made).__setstate__({**state, "way": way})
 
 
 def test_copies():

@@ -185,3 +185,10 @@ def test_the_same_bits_as_the_filter(tmp_path, ours, its):
     ms.apply_filter("generate_fcd_straightened_mesh", line_file=str(tmp_path / "line.csv"), graph_layers=False, **its)
     mine = straighten(bent(vertices), faces, line, **ours).vertices
     assert same(mine, np.ascontiguousarray(ms.current_mesh().vertex_matrix()))
+
+
+def test_places_along_the_line_are_told_once():
+    """Of a row of points, each is a patch of its own."""
+    row = np.arange(50.0)[:, None] + np.zeros(3)
+    with pytest.warns(pymeshlab_fcd.LineWarning, match=r"Beside the line at [\d.]+, [\d.]+, [\d.]+, [\d.]+ of its length"):
+        straighten(row, None, [[0, 0, 0], [1, 0.3, 0], [2, 0, 0]])

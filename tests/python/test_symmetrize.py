@@ -200,3 +200,13 @@ def test_a_plane_that_is_not_sure_is_told():
     egg = AT * [1.0, 0.8, 0.6] * (1 + 0.2 * AT[:, 2:])  # the mirror image of itself in two planes
     with pytest.warns(DeformationWarning, match="another plane"):
         assert not symmetrize(egg, FACES).symmetry.is_sure
+
+
+@pytest.mark.parametrize("places, given, text", [
+    (np.ones((5, 3)), {}, "All of the surface lies at one point or on one line, so it is no surface"),
+    (np.arange(30.0)[:, None] + np.zeros(3), {}, "All of the surface lies at one point or on one line"),
+    (np.arange(9.0).reshape(3, 3), {"faces": [[0, 1, 2]]}, "The surface has no triangle with an area"),
+    (np.zeros((0, 3)), {}, "There is nothing to fit: the surface has no vertices")])
+def test_errors_speak_of_what_was_given(places, given, text):
+    with pytest.raises(ValueError, match=text):
+        symmetrize(places, **given)

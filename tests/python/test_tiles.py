@@ -273,9 +273,12 @@ def test_vectors_and_distances_are_extra_dimensions(sink, tiles, tmp_path):
     assert np.abs(after["displacement"] - np.linalg.norm(way, axis=1)).max() < 1e-6
     assert (after.intensity == before.intensity).all() and (after.gps_time == before.gps_time).all()
     assert np.abs(xyz(after) - xyz(before) - way).max() < 0.51 * SCALE
-    warp(bend, tmp_path / "out" / tiles[0].name, tmp_path / "again.las", vectors=True)  # which has them already: they are those of this time
+    with pytest.warns(UserWarning, match="has displacement_x.* already.*displacement_2_x"):
+        warp(bend, tmp_path / "out" / tiles[0].name, tmp_path / "again.las", vectors=True)
     again = laspy.read(tmp_path / "again.las")
-    assert len(list(again.point_format.extra_dimensions)) == 4 and np.abs(again["displacement"] - after["displacement"]).max() > 1e-3
+    assert len(list(again.point_format.extra_dimensions)) == 8 and (again["displacement"] == after["displacement"]).all()
+    assert np.abs(again["displacement_2"] - np.linalg.norm(bend(xyz(after)) - xyz(after), axis=1)).max() < 1e-6
+    assert np.abs(again["displacement_2_z"] - (bend(xyz(after)) - xyz(after))[:, 2]).max() < 1e-6
 
 
 @pytest.mark.parametrize("far", [2 ** 31 - 1500, 2 ** 31 - 1])  # of the offset, in whole numbers; and that to both sides

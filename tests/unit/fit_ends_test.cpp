@@ -111,6 +111,7 @@ TEST(FitEnds, ThePairsAreTheBest) {
 }
 
 TEST(FitEnds, FewPlacesAreNoError) {
+    EXPECT_TRUE(EndsOfLimbs({}, {}).empty());
     EXPECT_LE(EndsOfLimbs({{1, 2, 3}}, {{0, 0, 1}}).size(), 1);
     EXPECT_LE(EndsOfLimbs({{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, {{0, 0, 1}, {0, 0, -1}, {0, 0, 0}}).size(), 3);
     std::vector<Vector3d> line, none;

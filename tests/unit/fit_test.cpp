@@ -1203,7 +1203,7 @@ TEST(Fit, WithoutRigidityWhatIsShearedAllOverIsFound) {
         landmark.push_back({i, sheared.position[i]});
     const auto led = [&](double rigidity) {
         FitParam param = Small().LandmarksAlone();
-        param.rigidity = rigidity;
+        param.fitRigidity = rigidity;
         const Fitter fitter(arrays.View(), {}, handles, param);
         Fitted fitted;
         const Deformer::Pose pose = fitter.Follow(landmark, fitted.report);
@@ -1224,13 +1224,13 @@ TEST(Fit, WithoutRigidityWhatIsShearedAllOverIsFound) {
         p = Sheared(p);
     FitParam param = Small();
     const double before = Rms(Fit(source, goal, param, {}, landmark), sheared);
-    param.rigidity = 0;
+    param.fitRigidity = 0;
     const Fitted after = Fit(source, goal, param, {}, landmark), again = Fit(source, goal, param, {}, landmark, {}, 3);
     EXPECT_LT(Rms(after, sheared), 0.5 * before);
     EXPECT_TRUE(IsSame(after, again)); // by any number of threads
 
     for (double wrong : {-0.1, 1.1, std::numeric_limits<double>::quiet_NaN()}) {
-        param.rigidity = wrong;
+        param.fitRigidity = wrong;
         ExpectError([&] { Fit(source, target, param); }, "The rigidity must be from 0");
     }
 }

@@ -123,6 +123,8 @@ std::vector<std::size_t> Assigned(const Eigen::MatrixXd &cost) {
 
 std::vector<LimbEnd> EndsOfLimbs(const std::vector<Eigen::Vector3d> &place,
                                  const std::vector<Eigen::Vector3d> &normal) {
+    if (place.empty()) // nothing of the surface has an area, as of one point
+        return {};
     const Graph graph = Joined(place, normal);
     // Farthest points (Gonzalez 1985), from an end of the part that the middle place is in: they are spread evenly.
     std::vector<double> mean(place.size(), 0), least(place.size(), unreached);

@@ -24,13 +24,13 @@ namespace {
 /// points of weight 0, and faces of which all corners have that.
 class CountingPart {
   public:
-    CountingPart(const SurfaceView &all, const WeightOf &weight) : view(all) {
+    CountingPart(const SurfaceView &all, const WeightOf &weight, const std::string &name) : view(all) {
         std::vector<char> isNone(weight ? all.vertexSlots : 0, 0); // of weight 0, and at no face that counts
         bool isLess = false;
         for (std::size_t i = 0; i < all.vertexSlots; ++i) {
             if (all.IsDeleted(i))
                 continue;
-            if (weight && CheckedWeight(weight, i, "target") == 0)
+            if (weight && CheckedWeight(weight, i, name.c_str()) == 0)
                 isNone[i] = isLess = true;
             if (!all.At(i).allFinite()) {
                 Leave(all, i);
@@ -82,21 +82,22 @@ class CountingPart {
 
 FitTarget::FitTarget(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normalOf,
                      const Eigen::Affine3d &toFrame, const Progress &progress, const std::function<void()> &isRead,
-                     const WeightOf &weightOf)
-    : isCloud(target.isCloud) {
+                     const WeightOf &weightOf, const std::string &name)
+    : isCloud(target.isCloud), name(name) {
     std::vector<Corners> triangle;
     {
-        const CountingPart part(target, weightOf);
+        const CountingPart part(target, weightOf, name);
         leftOut = part.leftOut;
         if (weightOf && !part.any)
-            throw BadInput("The weights of the target are 0 all over, so nothing of it can be matched. Raise them "
+            throw BadInput("The weights of the " + name +
+                           " are 0 all over, so nothing of it can be matched. Raise them "
                            "where it counts, up to 1.");
         std::size_t i = 0;
         while (i < part.view.vertexSlots && part.view.IsDeleted(i))
             ++i;
         if (i == part.view.vertexSlots)
-            throw BadInput("The target has no vertices" +
-                           std::string(leftOut > 0 ? " whose coordinates are finite numbers." : "."));
+            throw BadInput("The " + name + " has no vertices" +
+                           (leftOut > 0 ? " whose coordinates are finite numbers." : "."));
         if (isCloud)
             ReadPoints(part.view, normalOf, toFrame, weightOf);
         else
@@ -145,7 +146,7 @@ std::vector<Corners> FitTarget::ReadTriangles(const SurfaceView &target, const E
             triangle.push_back(c);
     }
     if (triangle.empty())
-        throw BadInput("The target has no triangle with an area.");
+        throw BadInput("The " + name + " has no triangle with an area.");
     MakeOneSided(position, triangle, progress.Slice(0.55, 0.7));
     return triangle;
 }

@@ -14,6 +14,7 @@
 #include <Eigen/Geometry>
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace vcg::fcd {
@@ -53,10 +54,11 @@ class FitTarget {
     /// \param toFrame from mesh units of the target to the frame that all is computed in
     /// \param isRead called as soon as nothing of \p target is needed any more; may be empty
     /// \param weight of each vertex, [0, 1]; may be empty: 1. Points and triangles of which it is 0 all over are left
-    /// out What is not finite is left out, with the triangles at it. \throw BadInput nothing is left \throw Cancelled
+    /// out \param name what messages call it. What is not finite is left out, with the triangles at it. \throw BadInput
+    /// nothing is left \throw Cancelled
     FitTarget(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normal,
               const Eigen::Affine3d &toFrame, const Progress &progress = {}, const std::function<void()> &isRead = {},
-              const WeightOf &weight = {});
+              const WeightOf &weight = {}, const std::string &name = "target");
 
     /// \param hint of a point that is near, or the same one earlier; changes no bit
     Match Nearest(const Eigen::Vector3d &p, NearestPlace::Hint &hint) const;
@@ -94,6 +96,7 @@ class FitTarget {
     std::vector<float> weight; // of each; empty: 1
     std::vector<char> flags;   // of each: 0 where there is none; border only of nodes of triangles
     bool isCloud = false;
+    const std::string name;
     std::size_t leftOut = 0;
     Eigen::AlignedBox3d box;
     std::unique_ptr<NearestPlace> place;

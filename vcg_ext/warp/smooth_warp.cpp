@@ -12,7 +12,7 @@ SmoothWarp::SmoothWarp(const Eigen::Vector3d &middle, double radius, int degree)
     for (int all = 0; all <= degree; ++all)
         for (int x = all; x >= 0; --x)
             for (int y = all - x; y >= 0; --y)
-                power.push_back({x, y, all - x - y});
+                power.emplace_back(x, y, all - x - y);
     coefficient = Eigen::Matrix3Xd::Zero(3, Eigen::Index(power.size()));
 }
 
@@ -25,7 +25,7 @@ Eigen::VectorXd SmoothWarp::Basis(const Eigen::Vector3d &p, Eigen::MatrixX3d *sl
         slope->resize(n, 3);
     if (curvature)
         curvature->resize(n, 6);
-    const int degree = power.empty() ? 0 : power.back().z;
+    const int degree = power.empty() ? 0 : power.back().z();
     // Powers of a coordinate, and their derivatives.
     std::vector<Eigen::Vector3d> to(std::size_t(degree) + 1, Eigen::Vector3d::Ones());
     for (std::size_t d = 1; d < to.size(); ++d)
@@ -36,11 +36,11 @@ Eigen::VectorXd SmoothWarp::Basis(const Eigen::Vector3d &p, Eigen::MatrixX3d *sl
             factor *= exponent - k;
         return factor == 0 ? 0 : factor * to[std::size_t(exponent - order)][axis];
     };
-    const auto product = [&](const Power &e, int x, int y, int z) {
-        return at(0, e.x, x) * at(1, e.y, y) * at(2, e.z, z);
+    const auto product = [&](const Eigen::Vector3i &e, int x, int y, int z) {
+        return at(0, e.x(), x) * at(1, e.y(), y) * at(2, e.z(), z);
     };
     for (Eigen::Index i = 0; i < n; ++i) {
-        const Power &e = power[std::size_t(i)];
+        const Eigen::Vector3i &e = power[std::size_t(i)];
         value[i] = product(e, 0, 0, 0);
         if (slope)
             slope->row(i) << product(e, 1, 0, 0), product(e, 0, 1, 0), product(e, 0, 0, 1);

@@ -33,11 +33,14 @@ class SmoothWarp {
 
     Eigen::Matrix3Xd coefficient;
 
+    /// All that it is. \param take gets the fields
+    template <class Take>
+    void Fields(const Take &take) {
+        take(power, middle, radius, coefficient);
+    }
+
   private:
-    struct Power {
-        int x, y, z;
-    };
-    std::vector<Power> power;
+    std::vector<Eigen::Vector3i> power; // exponents of x, y, z
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     double radius = 1;
 };
