@@ -51,6 +51,9 @@ struct SessionContents {
     bool hasMatrix = false;  ///< loading gave the layer the saved matrix
 };
 
+/// What that is, in words: a list, and then what loading changed, or left.
+std::string describe(const SessionContents &contents);
+
 /// Writes the state that the document keeps of \p layer. \throw vcg::fcd::Error when there is none, or the file cannot
 /// be written; an existing file is then unchanged
 SessionContents saveSession(const MeshModel &layer, const QString &file);

@@ -225,7 +225,7 @@ def test_the_fit_saves_and_loads_sessions(window, another, tmp_path):
     pull(w)
     choose(w, "s", "Save session", tmp_path / "pulled") # .fcd is added
     w.wait("keeps the fit: undo in the tool, or 'FCD: Reset Pose', takes it back.")
-    w.wait(f"Saved the session as {tmp_path / 'pulled.fcd'}. Save the layer, too.")
+    w.wait(f"Saved the session as {tmp_path / 'pulled.fcd'}. It has ")
     pulled = load(w.save("pulled.ply"))[0]
     w.key("ctrl+z")
     assert not np.array_equal(load(w.save("goes_on.ply"))[0], pulled)

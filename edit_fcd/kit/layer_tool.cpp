@@ -110,14 +110,14 @@ void LayerTool::chooseSession(bool load) {
     if (file.isEmpty() || !isReady())
         return;
     if (load) {
-        takeSession(file);
-        say("Loaded the session " + file.toStdString() + ".");
+        const SessionContents contents = takeSession(file);
+        say("Loaded the session " + file.toStdString() + ". It has " + describe(contents));
         return;
     }
     keepShown(); // as one that goes finds it
     showVertices(true);
-    saveSession(*model, file);
-    say("Saved the session as " + file.toStdString() + ". Save the layer, too.");
+    const SessionContents contents = saveSession(*model, file);
+    say("Saved the session as " + file.toStdString() + ". It has " + describe(contents) + " Save the layer, too.");
 }
 
 void LayerTool::applyToNewLayer(const std::function<void()> &apply, bool goesOn) {

@@ -17,6 +17,8 @@
 #include <QPointer>
 #include <QTimer>
 
+struct SessionContents;
+
 /// A tool with a panel that works on the current layer of a view: how it begins and ends there.
 class LayerTool : public HostEditTool {
     Q_OBJECT
@@ -54,7 +56,7 @@ class LayerTool : public HostEditTool {
     virtual bool isReady() = 0;
     virtual void keepShown() = 0; ///< what the layer shows is what a filter, and a file, finds
     /// What is known of the layer is that of a file. \throw vcg::fcd::Error; all is then as it was
-    virtual void takeSession(const QString &file) = 0;
+    virtual SessionContents takeSession(const QString &file) = 0;
     virtual void forgetDocument() = 0; ///< which is gone, with all that was left of its layers
     /// A step of what moves with the mouse: one a painted frame, since the mouse moves more often.
     virtual void step() = 0;

@@ -345,7 +345,7 @@ std::string Text(double value, int decimals) {
 }
 
 const std::pair<Half, std::string> halves[] = {
-    {Half::Training, "training"}, {Half::HeldOut, "held out"}, {Half::Given, "given"}};
+    {Half::Training, "training"}, {Half::HeldOut, "held out"}, {Half::Buckles, "buckles"}, {Half::Given, "given"}};
 
 std::string NameOf(Half half) {
     return std::find_if(std::begin(halves), std::end(halves), [&](const auto &h) { return h.first == half; })->second;

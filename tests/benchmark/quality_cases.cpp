@@ -257,7 +257,7 @@ const std::vector<Spec> &Specs() {
          HeldPlane,
          5000,
          {{{96, 10, 0}, {-8, 0, 30}}, {{96, 90, 0}, {-5, 0, -15}}, {{50, 50, 10}, {0, 0, 10}}}},
-        {"bar_press", "pressed to 60 %, closed, thick", heldOut, PressedBar, 4000},
+        {"bar_press", "pressed to 60 %, closed, thick", Half::Buckles, PressedBar, 4000},
     };
     return specs;
 }

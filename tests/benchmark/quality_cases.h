@@ -30,6 +30,7 @@ struct Instance {
 enum class Half {
     Training, ///< constants that shape the result are chosen on these
     HeldOut,  ///< and not on these
+    Buckles,  ///< nor on these, where the reference rests in another minimum: no mean counts them
     Given     ///< from files
 };
 

@@ -36,7 +36,7 @@ class BendTool : public BendStage {
     bool open(MeshModel &model);
     void leave();
     void keepShown() override;
-    void takeSession(const QString &file) override;
+    SessionContents takeSession(const QString &file) override;
 
     // the mouse
     void toCamera(QMouseEvent *event);

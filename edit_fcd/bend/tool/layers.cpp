@@ -84,10 +84,11 @@ void BendTool::keepShown() {
             "' keeps the pose: undo in the tool, or 'FCD: Reset Pose', takes it back. " + calls);
 }
 
-void BendTool::takeSession(const QString &file) {
+SessionContents BendTool::takeSession(const QString &file) {
     session->restore(); // a session is of that shape, or of its own pose
+    SessionContents contents;
     try {
-        loadSession(*document, *model, file);
+        contents = loadSession(*document, *model, file);
     } catch (...) {
         solve(true);
         throw;
@@ -99,6 +100,7 @@ void BendTool::takeSession(const QString &file) {
     showVertices(true);
     showChanged();
     showOverlay();
+    return contents;
 }
 
 /// What the layer shows is what it is, whatever comes next.

@@ -52,7 +52,7 @@ class FitTool : public LayerTool {
     void close() override;
     bool isReady() override;
     void keepShown() override;
-    void takeSession(const QString &file) override;
+    SessionContents takeSession(const QString &file) override;
     void makePanel();
     void showTargets();
     void onTarget();

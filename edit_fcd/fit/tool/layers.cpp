@@ -109,11 +109,12 @@ void FitTool::keepShown() {
 }
 
 /// Undo leads back to what was known before.
-void FitTool::takeSession(const QString &file) {
+SessionContents FitTool::takeSession(const QString &file) {
     stopWork();
     session->restore(); // a session is of that shape, or of its own
+    SessionContents contents;
     try {
-        loadSession(*document, *model, file);
+        contents = loadSession(*document, *model, file);
     } catch (...) {
         reshape(true);
         throw;
@@ -128,6 +129,7 @@ void FitTool::takeSession(const QString &file) {
     model->setMeshModified();
     showColors();
     showLayers();
+    return contents;
 }
 
 /// What the layer shows is what it is, whatever comes next; what something else has made of it stays, too.
