@@ -795,3 +795,15 @@ def test_no_patch_reaches_farther_than_the_surface_is_large(radius):
         moved = pymeshlab_fcd.deform(vertices, faces, tags, {2: lift}, target_radius=radius)
         assert same(moved, pymeshlab_fcd.deform(vertices, faces, tags, {2: lift}, target_radius=1e4))
     assert np.ptp(moved, axis=0).max() < 2 * np.linalg.norm(np.ptp(vertices, axis=0))
+
+
+@pytest.mark.parametrize("size", [2.0**-1000, 2.0**-600, 2.0**600, 2.0**900])
+def test_meshes_and_clouds_of_any_size_bend_alike(size):
+    """Squares of such lengths are no numbers."""
+    vertices, faces, tags, _ = bar()
+
+    def bent(by, triangles):
+        return pymeshlab_fcd.deform(vertices * by, triangles, tags, {2: Motion.translate([0, 0, 0.5 * by])}) / by
+
+    for triangles in (faces, np.zeros((0, 3), int)):
+        np.testing.assert_allclose(bent(size, triangles), bent(1, triangles), rtol=0, atol=1e-9)

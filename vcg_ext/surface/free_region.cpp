@@ -59,9 +59,9 @@ class RegionFinder {
     /// Reaches the free points of a cloud and the nearest places of each: those that are its neighbours, or that are
     /// looked at to find them. Points at one place, or a hair from it, are one.
     /// \param placesOfAll as of FreeRegion
-    void ReachNearest(const Eigen::Matrix3d &metric, const Eigen::AlignedBox3d &placesOfAll, const Progress &progress) {
+    void ReachNearest(const Eigen::Matrix3d &given, const Eigen::AlignedBox3d &placesOfAll, const Progress &progress) {
         Frame world;
-        world.SetMetric(metric);
+        world.SetMetric(given);
         const auto isLive = [&](std::size_t i) { return bool(Is(i, live)); };
         const auto isFree = [&](std::size_t i) { return isLive(i) && Is(i, free); };
         const detail::VertexChunks chunks = detail::FindVertices(mesh, isLive, world, progress.Slice(0, 0));
@@ -73,11 +73,13 @@ class RegionFinder {
             return;
         // Strays are left to the cells at the ends: else all others would be in a few.
         const auto at = [&](std::size_t k) -> Eigen::Vector3d {
-            return metric * mesh.At(detail::SlotOf(k, chunks.begin, isLive));
+            return given * mesh.At(detail::SlotOf(k, chunks.begin, isLive));
         };
-        const Eigen::AlignedBox3d box = isPart ? placesOfAll : detail::WithoutStrays(chunks.box, n, at);
+        Eigen::AlignedBox3d box = isPart ? placesOfAll : detail::WithoutStrays(chunks.box, n, at);
         if (const Eigen::AlignedBox3d near = ofFree.intersection(box); !near.isEmpty())
             ofFree = near;
+        const double unit = detail::TakeUnit(chunks.box, box, ofFree);
+        const Eigen::Matrix3d metric = given / unit;
         // Points that become one (SurfaceGraph) lie within some hairs, mostly in one of these cells.
         const double cell = std::max(8 * defaultWeldDistance * ofFree.diagonal().norm(), 1e-300);
         // In Morton order, so that queries that follow each other visit the same memory.
@@ -151,7 +153,7 @@ class RegionFinder {
         });
         ReachAround(point, has.get(), reachPlace, progress.Slice(0.1, 0.9));
         if (isPart)
-            region.reach = ReachOf(point, has.get(), progress.Slice(0.9, 1)) + 2 * cell; // a place's points are in one
+            region.reach = unit * (ReachOf(point, has.get(), progress.Slice(0.9, 1)) + 2 * cell); // of a place's points
     }
 
     /// Reaches the vertices of faces and edge elements that have a free one.

@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <vector>
@@ -68,6 +69,18 @@ VertexChunks FindVertices(const SurfaceView &mesh, const IsPart &isPart, const F
     if (bad != std::size_t(-1))
         throw NotFinite(bad);
     return found;
+}
+
+/// Tells two boxes in another unit where the squares of lengths in \p all would be no numbers: a power of two, near its
+/// size. \return the unit; 1 where it need not be another
+inline double TakeUnit(const Eigen::AlignedBox3d &all, Eigen::AlignedBox3d &one, Eigen::AlignedBox3d &other) {
+    const double size = all.min().cwiseAbs().cwiseMax(all.max().cwiseAbs()).maxCoeff();
+    if (size == 0 || (size > 1e-100 && size < 1e100))
+        return 1;
+    const double unit = std::ldexp(1.0, std::max(std::ilogb(size), -1000));
+    for (Eigen::AlignedBox3d *box : {&one, &other})
+        *box = {box->min() / unit, box->max() / unit};
+    return unit;
 }
 
 /// Sets origin and scale of the frame of what is read, at least one vertex. \param isPart as of FindVertices
