@@ -226,6 +226,8 @@ def test_the_fit_saves_and_loads_sessions(window, another, tmp_path):
     choose(w, "s", "Save session", tmp_path / "pulled") # .fcd is added
     w.wait("keeps the fit: undo in the tool, or 'FCD: Reset Pose', takes it back.")
     w.wait(f"Saved the session as {tmp_path / 'pulled.fcd'}. It has ")
+    has = "the rest shape, pairs of 'FCD: Fit': 3, options of 'FCD: Fit', the fit that the layer shows."
+    w.wait(has)
     pulled = load(w.save("pulled.ply"))[0]
     w.key("ctrl+z")
     assert not np.array_equal(load(w.save("goes_on.ply"))[0], pulled)
@@ -240,7 +242,7 @@ def test_the_fit_saves_and_loads_sessions(window, another, tmp_path):
     w.wait("is no session")
     assert not np.array_equal(followed, points) and np.array_equal(load(w.save("still.ply"))[0], followed)
     choose(w, "l", "Load session", tmp_path / "pulled.fcd")
-    w.wait(f"Loaded the session {tmp_path / 'pulled.fcd'}.")
+    w.wait(f"Loaded the session {tmp_path / 'pulled.fcd'}. It has {has} The layer was at rest; it has the saved pose now.")
     w.wait("trace: pulled") # for the distances
     w.settle()
     w.shot("loaded")
