@@ -444,9 +444,12 @@ def test_the_same_bits_as_the_filter(tmp_path, kind):
 
 
 @pytest.mark.filterwarnings("ignore::pymeshlab_fcd.DeformationWarning")
-@pytest.mark.parametrize("points", [1, 2, 3])
+@pytest.mark.parametrize("points", [0, 1, 2, 3])
 def test_few_points(points):
-    if points == 1:
+    if points == 0:
+        with pytest.raises(ValueError, match="There is nothing to fit: the surface has no vertices"):
+            fit(VERTICES[:0], None, TARGET, TARGET_FACES)
+    elif points == 1:
         with pytest.raises(ValueError, match="nothing of the surface has a counterpart"):
             fit(VERTICES[:1], None, TARGET, TARGET_FACES)
     else:

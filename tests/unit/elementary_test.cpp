@@ -90,6 +90,10 @@ TEST(Elementary, Rotations) {
         EXPECT_LE((turn.angle * turn.axis - angle * axis).norm(), 1e-13);
     }
     EXPECT_EQ(Turn(Eigen::Matrix3d::Identity()).angle, 0);
+    for (const double length : {1e-300, 1e200, 1e300}) // their squares are no numbers
+        EXPECT_TRUE((RotationBy(Eigen::Vector3d(0, -length, length)).transpose() *
+                     RotationBy(Eigen::Vector3d(0, -length, length)))
+                        .isIdentity(1e-12));
 }
 
 TEST(Elementary, EigenvaluesOfThreeRows) {

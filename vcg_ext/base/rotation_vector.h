@@ -22,9 +22,15 @@ inline Eigen::Matrix3d RotationBy(double angle, const Eigen::Vector3d &axis) {
     return m;
 }
 
+/// The length of \p w, also where its square is no number.
+inline double Length(const Eigen::Vector3d &w) {
+    const double length = w.norm();
+    return std::isinf(length) ? w.stableNorm() : length;
+}
+
 /// The rotation about the axis of \p w by its length, in radians; none by a vector of no length.
 inline Eigen::Matrix3d RotationBy(const Eigen::Vector3d &w) {
-    const double angle = w.norm();
+    const double angle = Length(w);
     return angle > 0 ? RotationBy(angle, w / angle) : Eigen::Matrix3d::Identity();
 }
 

@@ -35,7 +35,7 @@ struct Polar {
 
 /// What turns at an even rate by \p turn, in all, and begins at \p speed moves as far as this, in all.
 Eigen::Vector3d Arc(const Eigen::Vector3d &turn, const Eigen::Vector3d &speed) {
-    const double angle = turn.norm();
+    const double angle = detail::Length(turn);
     if (angle == 0)
         return speed;
     const Eigen::Vector3d axis = turn / angle, along = axis * axis.dot(speed), across = speed - along;
