@@ -114,7 +114,7 @@ Compensation::Compensation(const SurfaceView &nominal, const SurfaceView &scan, 
         for (std::size_t k = 0; nominal.IsFace(f) && k < 3; ++k)
             box.extend(Eigen::Vector3d(nominal.At(nominal.corner[3 * f + k])));
     middle = box.center();
-    scale = std::max(box.diagonal().norm(), 1e-300);
+    scale = std::max(box.diagonal().stableNorm(), std::numeric_limits<double>::min());
     WarpGoal goal;
     double volume;
     const double area = SampleEvenly(nominal, param.samples, middle, scale, goal, volume);

@@ -174,6 +174,14 @@ def test_a_cloud_tells_as_much_as_its_triangles():
     assert off_above(cloud, points, printed) < 0.01
 
 
+@pytest.mark.parametrize("size", [2.0**-1000, 2.0**600])
+def test_parts_of_any_size_are_compensated_alike(size):
+    """Squares of such lengths are no numbers."""
+    points, faces, _, printed = block(8.0)
+    usual, odd = compensate(points, faces, printed(points)), compensate(size * points, faces, size * printed(points))
+    assert np.abs(odd.vertices / size - usual.vertices).max() < 1e-5
+
+
 def test_what_makes_no_sense_is_told(part):
     nominal, faces = part[:2]
     points, triangles = scan()
