@@ -31,7 +31,6 @@ CHUNK = 1_000_000  # points
 NORMALS = (("NormalX", "NormalY", "NormalZ"), ("normal_x", "normal_y", "normal_z"), ("nx", "ny", "nz"))  # CloudCompare, PDAL, others
 
 
-
 def columns(points: Any, names: Iterable[str]) -> NDArray[np.float64]:
     """Three dimensions of points, n x 3."""
     return np.stack([np.asarray(points[name], np.float64) for name in names], axis=1)

@@ -117,7 +117,7 @@ TEST(GraphHessian, IsTheDerivativeOfTheEnergy) {
     }
     const std::vector<Eigen::Affine3d> motion = rig.NodeMotion([](Index) { return RandomRigid(3); });
     const detail::GraphEnergy::PoseTerms given(energy, motion, x, 0.1);
-    detail::GraphHessian hessian(unknown, k), there(unknown, k);
+    detail::GraphHessian hessian(unknown), there(unknown);
     ASSERT_TRUE(hessian.Factorise(energy, x, given));
     const Eigen::Index size = hessian.Gradient().size();
     ASSERT_GT(size, 100);

@@ -36,9 +36,6 @@ AffineDeformer::AffineDeformer(const DeformationGraph &graph, const std::vector<
         const double its = energy.TurningMass(i);
         mass.push_back(its > 0 ? its : 1); // without edges, all is left open
     }
-    blockOf.assign(std::size_t(k), -1);
-    for (std::size_t b = 0; b < unknown.rotation.size(); ++b)
-        blockOf[std::size_t(unknown.rotation[b])] = Index(b);
     if (unknown.rotation.empty())
         return;
     const std::vector<Eigen::Affine3d> still(std::size_t(k), Eigen::Affine3d::Identity());
@@ -84,12 +81,12 @@ void AffineDeformer::Factorise(const PoseTerms &given, const Progress &progress)
             const Eigen::Vector3d way = graph.edge.col(e).cast<double>();
             const Eigen::Vector4d c[2] = {Coefficients(i, end, 1, way), Coefficients(j, end, -1, way)};
             for (int n = 0; n < 2; ++n)
-                if (const Index b = blockOf[std::size_t(n == 0 ? i : j)]; b >= 0)
+                if (const Index b = unknown.turnOf[std::size_t(n == 0 ? i : j)]; b >= 0)
                     matrix.diagonal[std::size_t(b)] += w * c[n] * c[n].transpose();
             both += w * c[0] * c[1].transpose();
         },
         [&](Index i, Index j, double w) {
-            const Index a = blockOf[std::size_t(i)], b = blockOf[std::size_t(j)];
+            const Index a = unknown.turnOf[std::size_t(i)], b = unknown.turnOf[std::size_t(j)];
             for (Index each : {a, b})
                 if (each >= 0)
                     matrix.diagonal[std::size_t(each)].diagonal().tail<3>().array() += w;
@@ -144,16 +141,16 @@ Eigen::Vector3d AffineDeformer::Way(const State &x, const PoseTerms &given, Inde
 Eigen::MatrixX3d AffineDeformer::RightSide(const State &base, const PoseTerms &given) const {
     Eigen::MatrixX3d right = Eigen::MatrixX3d::Zero(4 * Eigen::Index(unknown.rotation.size()), 3);
     const auto turn = [&](Index i, const Eigen::Matrix3d &by) {
-        if (blockOf[std::size_t(i)] >= 0)
-            right.middleRows<3>(4 * Eigen::Index(blockOf[std::size_t(i)]) + 1) += by.transpose();
+        if (unknown.turnOf[std::size_t(i)] >= 0)
+            right.middleRows<3>(RowOf(i) + 1) += by.transpose();
     };
     ForTerms(
         [&](Index i, Index j, std::uint32_t e, Index end, double w) {
             const Eigen::Vector3d way = graph.edge.col(e).cast<double>(),
                                   off = w * (Way(base, given, i, j, e) - base.rotation[std::size_t(end)] * way);
             for (Index each : {i, j})
-                if (const Index b = blockOf[std::size_t(each)]; b >= 0)
-                    right.middleRows<4>(4 * Eigen::Index(b)) -=
+                if (unknown.turnOf[std::size_t(each)] >= 0)
+                    right.middleRows<4>(RowOf(each)) -=
                         Coefficients(each, end, each == i ? 1 : -1, way) * off.transpose();
         },
         [&](Index i, Index j, double w) {
@@ -171,10 +168,9 @@ Eigen::MatrixX3d AffineDeformer::RightSide(const State &base, const PoseTerms &g
 void AffineDeformer::Solved(const State &base, const Eigen::MatrixX3d &right, State &x) const {
     const Eigen::MatrixX3d change = factor.Solve(right);
     for (Index i : unknown.rotation)
-        x.rotation[std::size_t(i)] = base.rotation[std::size_t(i)] +
-                                     change.middleRows<3>(4 * Eigen::Index(blockOf[std::size_t(i)]) + 1).transpose();
+        x.rotation[std::size_t(i)] = base.rotation[std::size_t(i)] + change.middleRows<3>(RowOf(i) + 1).transpose();
     for (Index i : unknown.position)
-        x.position.col(i) = base.position.col(i) + change.row(4 * Eigen::Index(blockOf[std::size_t(i)])).transpose();
+        x.position.col(i) = base.position.col(i) + change.row(RowOf(i)).transpose();
 }
 
 /// The local step.
@@ -261,7 +257,7 @@ void AffineDeformer::Minimise(const State &base, const PoseTerms &given, const E
     const auto step = [&](const State &x, State &y) {
         Eigen::MatrixX3d drawn = right;
         for (Index i : unknown.rotation)
-            drawn.middleRows<3>(4 * Eigen::Index(blockOf[std::size_t(i)]) + 1) +=
+            drawn.middleRows<3>(RowOf(i) + 1) +=
                 rigidity * mass[std::size_t(i)] *
                 (detail::ToMatrix(x.quaternion[std::size_t(i)]) - base.rotation[std::size_t(i)]).transpose();
         y.quaternion = x.quaternion;

@@ -49,6 +49,8 @@ class AffineDeformer {
     void ForTerms(const Stretch &stretch, const Bend &bend) const;
     void Factorise(const PoseTerms &given, const Progress &progress);
     State Base(const std::vector<Eigen::Affine3d> &motion, const Eigen::Affine3d &common) const;
+    /// Where the four rows of node \p i begin: its position's, and its map's three.
+    Eigen::Index RowOf(Index i) const { return 4 * Eigen::Index(unknown.turnOf[std::size_t(i)]); }
     Eigen::Vector4d Coefficients(Index i, Index end, double sign, const Eigen::Vector3d &way) const;
     Eigen::Vector3d Way(const State &x, const PoseTerms &given, Index i, Index j, std::uint32_t e) const;
     Eigen::MatrixX3d RightSide(const State &base, const PoseTerms &given) const;
@@ -67,7 +69,6 @@ class AffineDeformer {
     detail::GraphEnergy energy;
     std::optional<detail::GraphLaplacian> laplacian; ///< where it is solved in turns
     std::vector<double> mass;                        ///< k, what a turn of a node moves
-    std::vector<Index> blockOf;                      ///< k, of its position's number and its map's three; -1: given
     detail::BlockFactor<4> factor;
     double edgeLength = 0; ///< mean
 };

@@ -140,7 +140,7 @@ class GraphDeformer {
     }
 
     detail::GraphNewton NewtonOf(const PoseTerms &given, const SolverParam &param) const {
-        return {energy, unknown, given, graph.Size(), edgeLength, Still(param)};
+        return {energy, unknown, given, edgeLength, Still(param)};
     }
     double Still(const SolverParam &param) const { return 10 * param.tolerance * Diagonal(); }
 

@@ -20,10 +20,7 @@ class GraphHessian {
   public:
     using State = GraphEnergy::State;
 
-    explicit GraphHessian(const GraphUnknowns &unknown, Index nodes) : unknown(unknown), blockOf(nodes, -1) {
-        for (std::size_t b = 0; b < unknown.rotation.size(); ++b)
-            blockOf[unknown.rotation[b]] = Index(b);
-    }
+    explicit GraphHessian(const GraphUnknowns &unknown) : unknown(unknown) {}
 
     /// \return whether it could be factorised, in a time that is worth it \throw Cancelled
     bool Factorise(const GraphEnergy &energy, const State &x, const GraphEnergy::PoseTerms &given,
@@ -68,40 +65,40 @@ class GraphHessian {
         }
     }
     double LargestTurn(const Eigen::VectorXd &step) const {
-        double most = 0;
-        for (Index i : unknown.rotation)
-            most = std::max(most, Turned(step, i).norm());
-        return most;
+        return Largest(unknown.rotation, [&](Index i) { return Turned(step, i).norm(); });
     }
     /// Of nodes whose position is given.
     double LargestTurnOfGiven(const Eigen::VectorXd &step) const {
-        double most = 0;
-        for (Index i : unknown.rotation)
-            if (unknown.constrained[i])
-                most = std::max(most, Turned(step, i).norm());
-        return most;
+        return Largest(unknown.rotation, [&](Index i) { return unknown.constrained[i] ? Turned(step, i).norm() : 0; });
     }
     double LargestMove(const Eigen::VectorXd &step) const {
-        double most = 0;
-        for (Index i : unknown.position)
-            most = std::max(most, Moved(step, i).norm());
-        return most;
+        return Largest(unknown.position, [&](Index i) { return Moved(step, i).norm(); });
     }
 
   private:
     static constexpr Eigen::Index width = 6;
     using Block = BlockMatrix<int(width)>::Block;
 
-    Eigen::Vector3d Moved(const Eigen::VectorXd &step, Index i) const { return step.segment<3>(width * blockOf[i]); }
+    Eigen::Vector3d Moved(const Eigen::VectorXd &step, Index i) const {
+        return step.segment<3>(width * unknown.turnOf[i]);
+    }
     Eigen::Vector3d Turned(const Eigen::VectorXd &step, Index i) const {
-        return step.segment<3>(width * blockOf[i] + 3);
+        return step.segment<3>(width * unknown.turnOf[i] + 3);
+    }
+
+    template <class Of>
+    static double Largest(const std::vector<Index> &node, const Of &of) {
+        double most = 0;
+        for (Index i : node)
+            most = std::max(most, of(i));
+        return most;
     }
 
     void AddEdges(const GraphEnergy &energy, const State &x, const GraphEnergy::PoseTerms &given) {
         const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
         energy.ForEachEdge(
             x, given, [&](Index i, Index j, double w, const Eigen::Vector3d &way, const Eigen::Vector3d(&turned)[2]) {
-                const Index block[2] = {blockOf[i], blockOf[j]};
+                const Index block[2] = {unknown.turnOf[i], unknown.turnOf[j]};
                 const Eigen::Vector3d force = 2 * w * (2 * way - turned[0] - turned[1]);
                 for (int end = 0; end < 2; ++end) {
                     if (block[end] < 0)
@@ -138,7 +135,7 @@ class GraphHessian {
         std::size_t p = 0;
         energy.ForEachTwist(x, given, [&](Index i, Index j, double w, const Eigen::Matrix3d &m) {
             // - 2 w tr(m), m = R_j R_i^T; j < 0: of the anchor
-            const Index block[2] = {blockOf[i], j < 0 ? -1 : blockOf[j]};
+            const Index block[2] = {unknown.turnOf[i], j < 0 ? -1 : unknown.turnOf[j]};
             const Eigen::Vector3d axial(m(1, 2) - m(2, 1), m(2, 0) - m(0, 2), m(0, 1) - m(1, 0));
             const Eigen::Matrix3d trace = m.trace() * Eigen::Matrix3d::Identity();
             for (int end = 0; end < 2; ++end) {
@@ -154,7 +151,6 @@ class GraphHessian {
     }
 
     const GraphUnknowns &unknown;
-    std::vector<Index> blockOf; // k, -1 where all is given
     Eigen::VectorXd gradient;
     BlockMatrix<int(width)> hessian;
     bool isAnalysed = false, isWorthwhile = false;

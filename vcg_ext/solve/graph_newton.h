@@ -21,8 +21,8 @@ class GraphNewton {
 
     /// \param edgeLength by which turns are measured \param still below it a node does not move
     GraphNewton(const GraphEnergy &energy, const GraphUnknowns &unknown, const GraphEnergy::PoseTerms &given,
-                Index nodes, double edgeLength, double still)
-        : energy(energy), given(given), edgeLength(edgeLength), still(still), hessian(unknown, nodes) {
+                double edgeLength, double still)
+        : energy(energy), given(given), edgeLength(edgeLength), still(still), hessian(unknown) {
         for (Index i : unknown.rotation)
             mass += energy.TurningMass(i);
     }

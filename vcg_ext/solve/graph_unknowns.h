@@ -4,6 +4,7 @@
 
 #include <vcg_ext/base/graph.h>
 
+#include <cstddef>
 #include <vector>
 
 namespace vcg::fcd::detail {
@@ -17,6 +18,7 @@ struct GraphUnknowns {
     std::vector<Index> position;     ///< nodes whose position is unknown
     std::vector<Index> numberOf;     ///< k, which of these a node is, -1 for none of them
     std::vector<Index> rotation;     ///< nodes whose rotation is unknown: the same, and constrained ones that turn
+    std::vector<Index> turnOf;       ///< k, which of these a node is, -1 for none of them
 
     /// \param compliant may be empty: none
     GraphUnknowns(const Csr &graph, const std::vector<bool> &constrained, const std::vector<bool> &compliant)
@@ -37,6 +39,9 @@ struct GraphUnknowns {
         for (Index i = 0; i < k; ++i)
             if (constrained[i] && this->compliant[i])
                 rotation.push_back(i);
+        turnOf.assign(k, -1);
+        for (std::size_t b = 0; b < rotation.size(); ++b)
+            turnOf[rotation[b]] = Index(b);
     }
 
     /// Whether node \p i is in a component with a constrained node.
