@@ -173,7 +173,7 @@ RegionPose RegionDeformer::SolveAlong(const Way &way, const SolverParam &solver,
     const int few = 6;
     SolverParam passing = last;
     if (turns > 1) {
-        passing.follow = false;
+        passing.follow = passing.quasiNewton = false;
         passing.maxIterations = std::min(solver.maxIterations, (few * turns + steps - 1) / steps);
     }
     Pose pose;
@@ -231,9 +231,8 @@ RegionDeformer::System::System(const RegionDeformer &deformer, const NodeConstra
     : compliant(given.compliant), numbers(NumbersOf(solver)),
       parts(deformer.graph, deformer.graph.area, given, deformer.param.shape.heldDepth, progress, solver) {}
 
-/// With a rigidity of 1 it depends on none.
 std::array<double, 2> RegionDeformer::System::NumbersOf(const SolverParam &solver) {
-    return {solver.rigidity, solver.rigidity < 1 ? solver.smoothness : 0};
+    return {solver.rigidity, solver.smoothness};
 }
 
 std::shared_ptr<const RegionDeformer::System>

@@ -117,9 +117,11 @@ TEST(GraphHessian, IsTheDerivativeOfTheEnergy) {
     }
     const std::vector<Eigen::Affine3d> motion = rig.NodeMotion([](Index) { return RandomRigid(3); });
     const detail::GraphEnergy::PoseTerms given(energy, motion, x, 0.1);
-    detail::GraphHessian hessian(unknown), there(unknown);
-    ASSERT_TRUE(hessian.Factorise(energy, x, given));
-    const Eigen::Index size = hessian.Gradient().size();
+    detail::GraphHessian hessian(unknown);
+    hessian.Assemble(energy, x, given);
+    ASSERT_TRUE(hessian.Factorise());
+    const Eigen::VectorXd gradient = energy.Gradient(x, given);
+    const Eigen::Index size = gradient.size();
     ASSERT_GT(size, 100);
     for (int n = 0; n < 10; ++n) {
         Eigen::VectorXd way = Eigen::VectorXd::NullaryExpr(
@@ -133,7 +135,7 @@ TEST(GraphHessian, IsTheDerivativeOfTheEnergy) {
             return y;
         };
         const double slope = (energy.Of(moved(h), given) - energy.Of(moved(-h), given)) / (2 * h);
-        EXPECT_NEAR(hessian.Gradient().dot(way), slope, 1e-6 * std::abs(slope) + 1e-6);
+        EXPECT_NEAR(gradient.dot(way), slope, 1e-6 * std::abs(slope) + 1e-6);
         const double here = energy.Of(x, given);
         const double curvature = (energy.Of(moved(1e-3), given) - 2 * here + energy.Of(moved(-1e-3), given)) / 1e-6;
         EXPECT_NEAR(hessian.Times(way).dot(way), curvature, 1e-4 * std::abs(curvature));

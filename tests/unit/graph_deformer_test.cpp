@@ -101,11 +101,12 @@ TEST(GraphDeformer, ReproducesARigidMotion) {
 
 TEST(GraphDeformer, EnergyFallsMonotonically) {
     const Rig rig = TubeRig();
-    const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area);
     Affine3d large = BendTube(2);
     large.linear() *= 1.7; // a handle that is scaled
     for (const Affine3d &last : {BendTube(2), large})
         for (double smoothness : {0.0, 0.005, 0.5}) {
+            const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area, {}, {},
+                                         ShapeConstants().heldDepth, {}, smoothness);
             double previous = std::numeric_limits<double>::infinity();
             for (int n = 1; n <= 25; ++n) {
                 SolverParam param = Iterations(n);
@@ -121,8 +122,9 @@ TEST(GraphDeformer, EnergyFallsMonotonically) {
 
 TEST(GraphDeformer, ConvergesToAStationaryPoint) {
     const Rig rig = TubeRig();
-    const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area);
     for (double smoothness : {0.0, 0.005, 0.5}) {
+        const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area, {}, {}, ShapeConstants().heldDepth,
+                                     {}, smoothness);
         SolverParam param;
         param.smoothness = smoothness;
         param.maxIterations = 20000;

@@ -22,7 +22,7 @@ struct BeyondPaper {
     bool borders;      ///< edges to constrained patches end at the border, not at the node (sec. 2.1)
     bool surfaceBalls; ///< influence along the surface, if asked for, not in straight balls (Eq. 8)
     bool compliance;   ///< the rotation of what is constrained gives way, with the depth (Eq. 5)
-    bool acceleration; ///< of the local and global steps, if asked for (Eqs. 5 and 6)
+    bool acceleration; ///< accelerated steps, if asked for (Eqs. 5 and 6)
     bool steps;        ///< a pose that turns far is reached in steps (sec. 2.2)
     bool refinement;   ///< more patches where few make another shape (sec. 2.1)
     bool linearMaps;   ///< nodes stretch as their edges do, and not only rotate (Eq. 7)

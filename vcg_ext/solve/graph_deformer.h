@@ -11,6 +11,7 @@
 #include <vcg_ext/solve/graph_pose.h>
 #include <vcg_ext/solve/graph_unknowns.h>
 #include <vcg_ext/solve/initial_guess.h>
+#include <vcg_ext/solve/rest_hessian.h>
 #include <vcg_ext/solve/solver_param.h>
 #include <vcg_ext/base/progress.h>
 #include <vcg_ext/base/rotation_fit.h>
@@ -42,18 +43,17 @@ class GraphDeformer {
     /// \param heldArea k values, or empty for 0: of constrained nodes that turn, the area of what is held behind them,
     ///        frame units^2, infinite for a region that goes on
     /// \param heldDepth as in ShapeConstants
+    /// \param smoothness of poses that are to be found in quasi-Newton steps
     /// \throw Unsolvable when the system cannot be factorised, or takes too long \throw Cancelled
     GraphDeformer(const DeformationGraph &graph, const std::vector<bool> &constrained, double area,
                   const std::vector<bool> &compliant = {}, const std::vector<double> &heldArea = {},
-                  double heldDepth = ShapeConstants().heldDepth, const Progress &progress = {})
-        : graph(graph), area(area), unknown(graph.graph.adjacency, constrained, compliant),
-          energy(graph, unknown, heldArea, heldDepth), laplacian(graph, unknown, progress) {
+                  double heldDepth = ShapeConstants().heldDepth, const Progress &progress = {},
+                  double smoothness = SolverParam().smoothness)
+        : graph(graph), area(area), smoothness(smoothness), unknown(graph.graph.adjacency, constrained, compliant),
+          energy(graph, unknown, heldArea, heldDepth), laplacian(graph, unknown, progress.Slice(0, 0.5)),
+          hessian(graph, energy, unknown, smoothness * area, progress.Slice(0.5, 1)) {
         for (Eigen::Index e = 0; e < graph.edge.cols(); ++e)
             edgeLength += graph.edge.col(e).cast<double>().norm() / double(graph.edge.cols());
-        Eigen::VectorXd mass(Eigen::Index(unknown.position.size()));
-        for (std::size_t u = 0; u < unknown.position.size(); ++u)
-            mass[Eigen::Index(u)] = energy.TurningMass(unknown.position[u]);
-        spread = laplacian.LeastEigenvalue(mass);
     }
 
     /// Whether node \p i is in a component with a constrained node.
@@ -112,7 +112,7 @@ class GraphDeformer {
     /// \param goesOn from another pose; otherwise from rest
     void Follow(const PoseTerms &given, const SolverParam &param, bool goesOn, State &state, GraphPose &pose,
                 const Progress &progress) const {
-        const int few = std::min(param.maxIterations, 100); // where it is stable, 20 to 80 do
+        const int few = std::min(param.maxIterations, 100); // where it is stable, 8 to 70 do
         const double nearby = 2;   // radian: a guess is off by less, and a shape that has let go of a full turn by more
         const double least = 0.01; // of the energy: by less it falls where the shape has hardly begun to give way
         const State begin = state;
@@ -121,7 +121,7 @@ class GraphDeformer {
         if (few == param.maxIterations || (pose.converged && isNear(state)))
             return;
         State stationary = state;
-        detail::GraphNewton newton = NewtonOf(given, param);
+        detail::GraphNewton newton(energy, unknown, given, edgeLength, Still(param));
         // From where the steps led, if that was not down another way; otherwise from where they began.
         pose.followed = !goesOn &&
                         newton.FindStationary(param.maxIterations, stationary, pose, progress.Slice(0.4, 0.6)) &&
@@ -139,24 +139,18 @@ class GraphDeformer {
         pose.unstable = pose.unstable && pose.followed;
     }
 
-    detail::GraphNewton NewtonOf(const PoseTerms &given, const SolverParam &param) const {
-        return {energy, unknown, given, edgeLength, Still(param)};
-    }
     double Still(const SolverParam &param) const { return 10 * param.tolerance * Diagonal(); }
 
-    /// Takes local and global steps until \p state is at rest, or there were \p most. Counts them in \p pose.
+    /// Takes steps downwards until \p state is at rest, or there were \p most: quasi-Newton ones, or local and global
+    /// ones where \p param asks for these, or there is no Hessian. Counts them in \p pose.
     void Minimise(const PoseTerms &given, const SolverParam &param, int most, State &state, GraphPose &pose,
                   const Progress &progress) const {
         // A step that is rho times the one before it is followed by 1 / (1 - rho) times as much in all.
         const Eigen::Matrix3Xd rest = graph.graph.position.cast<double>();
-        const double still = Still(param);
-        // A turn that is spread over all that is free shrinks by about this share in a step. So slow, as over a way
-        // much longer than wide, it does not show in the steps' lengths after the 20 or more that others take to come
-        // to rest: accelerated ones see down to the square of one over their number.
-        const double slowest = 1.0 / (20 * 20);
-        const bool isSlow = param.smoothness * area * spread < slowest;
-        double near = still; // error below which slow modes are looked for
-        const double rounding = Rounding(rest, state);
+        const double still = Still(param), rounding = Rounding(rest, state),
+                     noise = rounding * energy.Weight() / double(unknown.rotation.size());
+        const bool isQuasi =
+            param.accelerated && param.quasiNewton && param.smoothness == smoothness && hessian.IsThere();
         state.energy = energy.Of(state, given);
         State stepped = state, mixed = state;
         const std::size_t size = 3 * unknown.position.size() + 4 * unknown.rotation.size();
@@ -167,7 +161,9 @@ class GraphDeformer {
         for (; !pose.converged && pose.iterations < most; ++pose.iterations) {
             if ((pose.iterations & 15) == 0)
                 progress(1 - detail::Exponential(-4.0 * pose.iterations / most), "Deforming the graph");
-            Step(state, given, stepped, work);
+            const bool isNoise = isQuasi && !hessian.Step(state, given, noise, stepped);
+            if (!isQuasi)
+                Step(state, given, stepped, work);
             const double moved = LargestMove(state, stepped);
             if (!param.accelerated) {
                 pose.converged = moved <= 0.1 * still;
@@ -175,25 +171,24 @@ class GraphDeformer {
                 state.energy = energy.Of(state, given);
                 continue;
             }
-            // Accelerated step, where it lowers the energy; the plain one always does.
+            // The accelerated step, where it lowers the energy, or the plain one; a local and a global one always does.
             Pack(state, here);
             Pack(stepped, after);
             anderson.Mix(here, after);
-            const bool mayRest = moved <= (1 - anderson.Contraction()) * near;
-            pose.converged = (mayRest && !isSlow) || IsRounding(state, stepped, moved, rounding);
+            pose.converged =
+                isNoise || moved <= (1 - anderson.Contraction()) * still || IsRounding(state, stepped, moved, rounding);
             Unpack(after, mixed);
             mixed.energy = energy.Of(mixed, given);
             if (mixed.energy < state.energy) {
                 std::swap(state, mixed);
-            } else {
-                std::swap(state, stepped);
-                state.energy = energy.Of(state, given);
-            }
-            if (pose.converged || !mayRest)
                 continue;
-            pose.converged = NewtonOf(given, param).Descend(most, state, pose, progress);
-            anderson = detail::Anderson(size);
-            near = moved / 4;
+            }
+            stepped.energy = energy.Of(stepped, given);
+            if (isQuasi && !(stepped.energy < state.energy)) {
+                Step(state, given, stepped, work);
+                stepped.energy = energy.Of(stepped, given);
+            }
+            std::swap(state, stepped);
         }
     }
 
@@ -291,12 +286,12 @@ class GraphDeformer {
     }
 
     const DeformationGraph &graph;
-    double area;
+    double area, smoothness;
     detail::GraphUnknowns unknown;
     detail::GraphEnergy energy;
     detail::GraphLaplacian laplacian;
+    detail::RestHessian hessian;
     double edgeLength = 0; // mean
-    double spread = 0;     // over one frame unit^2: of the turn that the smoothness evens most slowly
 };
 
 } // namespace vcg::fcd

@@ -108,6 +108,14 @@ class GraphEnergy {
                 sumOfEdges[u] += edge[e];
     }
 
+    /// The sum of the weights of what depends on the unknowns.
+    double Weight() const {
+        double sum = 0;
+        for (std::size_t p = 0; p < openPairs; ++p)
+            sum += graph.weight[pairs[p].e];
+        return sum;
+    }
+
     /// What a turn of node \p i alone moves: the sum of its edges' weights times their lengths^2.
     double TurningMass(Index i) const {
         double mass = 0;
@@ -172,6 +180,38 @@ class GraphEnergy {
             b += Linear(x, given, Neighbour(e)) * edge[e];
         return given.right.row(u).transpose() + 0.5 * b;
     }
+
+    /// The gradient, by a block of six for each node with an unknown, in the order of GraphUnknowns::rotation: its
+    /// position (0 where that is given), and the rotation vector of its further turn (along the axis, as long as the
+    /// angle).
+    Eigen::VectorXd Gradient(const State &x, const PoseTerms &given) const {
+        Eigen::VectorXd gradient = Eigen::VectorXd::Zero(6 * Eigen::Index(unknown.rotation.size()));
+        ForEachEdge(x, given,
+                    [&](Index i, Index j, double w, const Eigen::Vector3d &way, const Eigen::Vector3d(&turned)[2]) {
+                        const Index block[2] = {unknown.turnOf[i], unknown.turnOf[j]};
+                        const Eigen::Vector3d force = 2 * w * (2 * way - turned[0] - turned[1]);
+                        for (int end = 0; end < 2; ++end) {
+                            if (block[end] < 0)
+                                continue;
+                            gradient.segment<3>(6 * block[end]) += (end == 0 ? 1 : -1) * force;
+                            gradient.segment<3>(6 * block[end] + 3) -= 2 * w * turned[end].cross(way);
+                        }
+                    });
+        ForEachTwist(x, given, [&](Index i, Index j, double w, const Eigen::Matrix3d &m) {
+            // - 2 w tr(m), m = R_j R_i^T; j < 0: of the anchor
+            const Index block[2] = {unknown.turnOf[i], j < 0 ? -1 : unknown.turnOf[j]};
+            const Eigen::Vector3d axial(m(1, 2) - m(2, 1), m(2, 0) - m(0, 2), m(0, 1) - m(1, 0));
+            for (int end = 0; end < 2; ++end)
+                if (block[end] >= 0)
+                    gradient.segment<3>(6 * block[end] + 3) += (end == 0 ? 2 : -2) * w * axial;
+        });
+        for (std::size_t b = unknown.position.size(); b < unknown.rotation.size(); ++b) // given positions
+            gradient.segment<3>(6 * Eigen::Index(b)).setZero();
+        return gradient;
+    }
+
+    /// How strongly the rotation of node \p i stays where its edges leave it open.
+    double Stay(Index i) const { return stay[i]; }
 
     /// body(i, j, weight, p'_i - p'_j, {R_i e, R_j e}) for each edge that depends on the unknowns: it contributes the
     /// weight times the squares of what the former differs by from each of the latter.

@@ -13,19 +13,15 @@
 
 namespace vcg::fcd::detail {
 
-/// Gradient and Hessian of the energy, factorised. Each node with an unknown has a block of six: the step of its
-/// position, and the rotation vector of its further turn (along the axis, as long as the angle). The step of a given
-/// position is 0.
+/// The Hessian of the energy, factorised. Each node with an unknown has a block of six, as of GraphEnergy::Gradient.
+/// The step of a given position is 0.
 class GraphHessian {
   public:
     using State = GraphEnergy::State;
 
     explicit GraphHessian(const GraphUnknowns &unknown) : unknown(unknown) {}
 
-    /// \return whether it could be factorised, in a time that is worth it \throw Cancelled
-    bool Factorise(const GraphEnergy &energy, const State &x, const GraphEnergy::PoseTerms &given,
-                   const Progress &progress = {}) {
-        gradient = Eigen::VectorXd::Zero(width * Eigen::Index(unknown.rotation.size()));
+    void Assemble(const GraphEnergy &energy, const State &x, const GraphEnergy::PoseTerms &given) {
         hessian.diagonal.assign(unknown.rotation.size(), Block::Zero());
         hessian.where.clear();
         hessian.beside.clear();
@@ -34,10 +30,18 @@ class GraphHessian {
         for (std::size_t b = unknown.position.size(); b < unknown.rotation.size(); ++b) { // given positions
             hessian.diagonal[b].topRows<3>().setIdentity();
             hessian.diagonal[b].leftCols<3>().setIdentity();
-            gradient.segment<3>(width * Eigen::Index(b)).setZero();
         }
+    }
+    /// Lets rotations stay where their edges leave them open.
+    void HoldTurns(const GraphEnergy &energy) {
+        for (std::size_t b = 0; b < unknown.rotation.size(); ++b)
+            hessian.diagonal[b].bottomRightCorner<3, 3>().diagonal().array() += energy.Stay(unknown.rotation[b]);
+    }
+    /// \return whether it could be factorised, in a time that is worth it \throw Cancelled
+    bool Factorise(const Progress &progress = {}) {
         if (!isAnalysed)
-            isWorthwhile = factor.Analyse(hessian, SparseFactor::Worthwhile(gradient.size()));
+            isWorthwhile =
+                factor.Analyse(hessian, SparseFactor::Worthwhile(width * Eigen::Index(hessian.diagonal.size())));
         isAnalysed = true;
         return isWorthwhile && factor.Factorise(hessian, progress, "Deforming the graph");
     }
@@ -45,11 +49,8 @@ class GraphHessian {
     /// How many directions there are in which the energy falls off to both sides.
     Index Falling() const { return factor.Negative(); }
 
-    /// Newton's step from where it was factorised.
-    Eigen::VectorXd Newton() const { return -factor.Solve(gradient); }
     Eigen::VectorXd Solve(const Eigen::VectorXd &right) const { return factor.Solve(right); }
     Eigen::VectorXd Times(const Eigen::VectorXd &way) const { return hessian * way; }
-    const Eigen::VectorXd &Gradient() const { return gradient; }
 
     /// Goes \p step on from \p x.
     void Move(State &x, const Eigen::VectorXd &step) const {
@@ -66,10 +67,6 @@ class GraphHessian {
     }
     double LargestTurn(const Eigen::VectorXd &step) const {
         return Largest(unknown.rotation, [&](Index i) { return Turned(step, i).norm(); });
-    }
-    /// Of nodes whose position is given.
-    double LargestTurnOfGiven(const Eigen::VectorXd &step) const {
-        return Largest(unknown.rotation, [&](Index i) { return unknown.constrained[i] ? Turned(step, i).norm() : 0; });
     }
     double LargestMove(const Eigen::VectorXd &step) const {
         return Largest(unknown.position, [&](Index i) { return Moved(step, i).norm(); });
@@ -99,14 +96,11 @@ class GraphHessian {
         energy.ForEachEdge(
             x, given, [&](Index i, Index j, double w, const Eigen::Vector3d &way, const Eigen::Vector3d(&turned)[2]) {
                 const Index block[2] = {unknown.turnOf[i], unknown.turnOf[j]};
-                const Eigen::Vector3d force = 2 * w * (2 * way - turned[0] - turned[1]);
                 for (int end = 0; end < 2; ++end) {
                     if (block[end] < 0)
                         continue;
                     const double sign = end == 0 ? 1 : -1;
                     const Eigen::Vector3d &u = turned[end];
-                    gradient.segment<3>(width * block[end]) += sign * force;
-                    gradient.segment<3>(width * block[end] + 3) -= 2 * w * u.cross(way);
                     Block &own = hessian.diagonal[std::size_t(block[end])];
                     own.topLeftCorner<3, 3>() += 4 * w * one;
                     own.bottomRightCorner<3, 3>() +=
@@ -134,14 +128,11 @@ class GraphHessian {
     void AddTwists(const GraphEnergy &energy, const State &x, const GraphEnergy::PoseTerms &given) {
         std::size_t p = 0;
         energy.ForEachTwist(x, given, [&](Index i, Index j, double w, const Eigen::Matrix3d &m) {
-            // - 2 w tr(m), m = R_j R_i^T; j < 0: of the anchor
             const Index block[2] = {unknown.turnOf[i], j < 0 ? -1 : unknown.turnOf[j]};
-            const Eigen::Vector3d axial(m(1, 2) - m(2, 1), m(2, 0) - m(0, 2), m(0, 1) - m(1, 0));
             const Eigen::Matrix3d trace = m.trace() * Eigen::Matrix3d::Identity();
             for (int end = 0; end < 2; ++end) {
                 if (block[end] < 0)
                     continue;
-                gradient.segment<3>(width * block[end] + 3) += (end == 0 ? 2 : -2) * w * axial;
                 hessian.diagonal[std::size_t(block[end])].bottomRightCorner<3, 3>() -=
                     2 * w * (0.5 * (m + m.transpose()) - trace);
             }
@@ -151,7 +142,6 @@ class GraphHessian {
     }
 
     const GraphUnknowns &unknown;
-    Eigen::VectorXd gradient;
     BlockMatrix<int(width)> hessian;
     bool isAnalysed = false, isWorthwhile = false;
     BlockFactor<int(width)> factor;

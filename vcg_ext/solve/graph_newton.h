@@ -10,7 +10,6 @@
 #include <vcg_ext/solve/graph_unknowns.h>
 
 #include <algorithm>
-#include <limits>
 
 namespace vcg::fcd::detail {
 
@@ -22,10 +21,7 @@ class GraphNewton {
     /// \param edgeLength by which turns are measured \param still below it a node does not move
     GraphNewton(const GraphEnergy &energy, const GraphUnknowns &unknown, const GraphEnergy::PoseTerms &given,
                 double edgeLength, double still)
-        : energy(energy), given(given), edgeLength(edgeLength), still(still), hessian(unknown) {
-        for (Index i : unknown.rotation)
-            mass += energy.TurningMass(i);
-    }
+        : energy(energy), given(given), edgeLength(edgeLength), still(still), hessian(unknown) {}
 
     /// Finds where the energy is stationary, a minimum or a saddle, from \p state. Counts the steps in \p pose,
     /// to \p mostIterations. \return whether it did
@@ -45,45 +41,14 @@ class GraphNewton {
         return false;
     }
 
-    /// Goes downwards to rest, as long as that leads to a minimum; a state that is at rest is left as it is. Counts the
-    /// steps in \p pose, to \p mostIterations. \return whether \p state is at rest
-    bool Descend(int mostIterations, State &state, GraphPose &pose, const Progress &progress) {
-        for (; pose.iterations < mostIterations; ++pose.iterations) {
-            const double done = 1 - Exponential(-4.0 * pose.iterations / mostIterations);
-            if (!Look(state, progress.Slice(done, done)))
-                return false;
-            Eigen::VectorXd way = Limited();
-            if (std::max(hessian.LargestMove(way), hessian.LargestTurnOfGiven(way) * edgeLength) <= still)
-                return true;
-            // Where the edges leave a turn open, a step may be as long as it likes, and is nothing but rounding.
-            const double most = way.cwiseAbs().maxCoeff();
-            if (-hessian.Gradient().dot(way) <= 64 * std::numeric_limits<double>::epsilon() * mass * most)
-                return true;
-            if (hessian.Falling() > 0)
-                return false;
-            State moved;
-            const int halvings = 6; // where the quadratic is good for less, the other steps go on
-            for (int half = 0;; ++half, way *= 0.5) {
-                moved = state;
-                hessian.Move(moved, way);
-                moved.energy = energy.Of(moved, given);
-                if (moved.energy < state.energy)
-                    break;
-                if (half == halvings)
-                    return false;
-            }
-            state = std::move(moved);
-        }
-        return false;
-    }
-
   private:
     /// \return whether there is a step from \p state
     bool Look(const State &state, const Progress &progress) {
         progress(0, "Deforming the graph");
-        if (!hessian.Factorise(energy, state, given, progress))
+        hessian.Assemble(energy, state, given);
+        if (!hessian.Factorise(progress))
             return false;
-        step = hessian.Newton();
+        step = -hessian.Solve(energy.Gradient(state, given));
         return step.allFinite();
     }
     Eigen::VectorXd Limited() const {
@@ -96,7 +61,6 @@ class GraphNewton {
     const double edgeLength, still;
     GraphHessian hessian;
     Eigen::VectorXd step;
-    double mass = 0; // what turns of all nodes move
 };
 
 } // namespace vcg::fcd::detail

@@ -101,8 +101,8 @@ PartsDeformer::PartsDeformer(const DeformationGraph &graph, const std::vector<do
             part->affine = std::make_unique<AffineDeformer>(part->graph, constrained, A, compliant, heldArea, heldDepth,
                                                             solver, progress);
         else
-            part->deformer =
-                std::make_unique<GraphDeformer>(part->graph, constrained, A, compliant, heldArea, heldDepth, progress);
+            part->deformer = std::make_unique<GraphDeformer>(part->graph, constrained, A, compliant, heldArea,
+                                                             heldDepth, progress, solver.smoothness);
         parts.push_back(std::move(part));
     }
 }

@@ -25,7 +25,7 @@ DeformationGraph PartOf(const DeformationGraph &graph, const std::vector<Index> 
 class PartsDeformer {
   public:
     /// \param area k values: of each node's patch, frame units^2; A of a part is their sum
-    /// \param given motions are not read \param solver if its rigidity is below 1: that and the smoothness of all poses
+    /// \param given motions are not read \param solver its rigidity and smoothness are those of all poses
     /// \throw Unsolvable when a system cannot be factorised, or takes too long \throw Cancelled
     PartsDeformer(const DeformationGraph &graph, const std::vector<double> &area, const NodeConstraints &given,
                   double heldDepth = ShapeConstants().heldDepth, const Progress &progress = {},

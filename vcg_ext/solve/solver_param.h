@@ -18,13 +18,17 @@ struct SolverParam {
     /// By Anderson's method. Without it, the steps are those of the paper alone, and stop where one moves no node by
     /// more than the tolerance times the diagonal.
     bool accelerated = true;
+    /// Whether these are quasi-Newton steps by the Hessian at rest. If not, they are local and global ones: five times
+    /// as many, in which it takes a shape longer to give way.
+    bool quasiNewton = true;
     /// Whether the pose comes to rest near where it begins, stable or not, instead of at any place of less energy. If
     /// it comes to rest soon, the bits are the same.
     bool follow = false;
 
     bool operator==(const SolverParam &o) const {
         return smoothness == o.smoothness && rigidity == o.rigidity && maxIterations == o.maxIterations &&
-               tolerance == o.tolerance && accelerated == o.accelerated && follow == o.follow;
+               tolerance == o.tolerance && accelerated == o.accelerated && quasiNewton == o.quasiNewton &&
+               follow == o.follow;
     }
 };
 

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#ifndef VCG_FCD_REST_HESSIAN_H
+#define VCG_FCD_REST_HESSIAN_H
+
+#include <vcg_ext/base/rotation_fit.h>
+#include <vcg_ext/graph/deformation_graph.h>
+#include <vcg_ext/solve/graph_energy.h>
+#include <vcg_ext/solve/graph_hessian.h>
+#include <vcg_ext/solve/graph_unknowns.h>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+namespace vcg::fcd::detail {
+
+/// The Hessian of the energy at rest, factorised once. In the frames of the nodes, which turn with them, it is about
+/// that of any pose (Mueller et al. 2002, stiffness warping), so that quasi-Newton steps by it come to rest after some
+/// ten (Liu et al. 2017).
+class RestHessian {
+  public:
+    using State = GraphEnergy::State;
+
+    /// \param smooth alpha A, frame units^2 \throw Cancelled
+    RestHessian(const DeformationGraph &graph, const GraphEnergy &energy, const GraphUnknowns &unknown, double smooth,
+                const Progress &progress = {})
+        : energy(energy), unknown(unknown), hessian(unknown) {
+        const std::size_t k = std::size_t(graph.Size());
+        const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
+        const State rest{graph.graph.position.cast<double>(), std::vector<Eigen::Matrix3d>(k, one),
+                         std::vector<Eigen::Vector4d>(k, ToQuaternion(one)), 0};
+        const GraphEnergy::PoseTerms given(energy, std::vector<Eigen::Affine3d>(k, Eigen::Affine3d::Identity()), rest,
+                                           smooth);
+        hessian.Assemble(energy, rest, given);
+        hessian.HoldTurns(energy);
+        isThere = !unknown.rotation.empty() && hessian.Factorise(progress) && hessian.Falling() == 0;
+    }
+
+    /// Whether it could be factorised, in a time that is worth it.
+    bool IsThere() const { return isThere; }
+
+    /// Goes a step on from \p x. \param y out \param noise what a gradient is off by, by rounding
+    /// \return whether the step is more than that
+    bool Step(const State &x, const GraphEnergy::PoseTerms &given, double noise, State &y) const {
+        const double farthest = 0.5; // radian: beyond it no quadratic is good
+        const Eigen::VectorXd gradient = energy.Gradient(x, given);
+        Eigen::VectorXd step = gradient;
+        Turn(x, true, step);
+        step = -hessian.Solve(step);
+        Turn(x, false, step);
+        const bool isMore = -gradient.dot(step) > noise * step.cwiseAbs().maxCoeff();
+        if (const double turn = hessian.LargestTurn(step); turn > farthest)
+            step *= farthest / turn;
+        y = x;
+        hessian.Move(y, step);
+        return isMore;
+    }
+
+  private:
+    /// Takes \p v, as the gradient is, into the frames of the nodes, or out of them.
+    void Turn(const State &x, bool into, Eigen::VectorXd &v) const {
+        for (std::size_t b = 0; b < unknown.rotation.size(); ++b) {
+            const Eigen::Matrix3d &own = x.rotation[std::size_t(unknown.rotation[b])];
+            const Eigen::Matrix3d turn = into ? own.transpose() : own;
+            for (int half = 0; half < 2; ++half) {
+                auto part = v.segment<3>(6 * Eigen::Index(b) + 3 * half);
+                part = (turn * part).eval();
+            }
+        }
+    }
+
+    const GraphEnergy &energy;
+    const GraphUnknowns &unknown;
+    GraphHessian hessian;
+    bool isThere = false;
+};
+
+} // namespace vcg::fcd::detail
+
+#endif
