@@ -46,6 +46,9 @@ class GraphHessian {
         return isWorthwhile && factor.Factorise(hessian, progress, "Deforming the graph");
     }
 
+    /// Frees what is not needed to solve. \pre Factorise
+    void DropMatrix() { hessian = {}; }
+
     /// How many directions there are in which the energy falls off to both sides.
     Index Falling() const { return factor.Negative(); }
 

@@ -36,6 +36,7 @@ class RestHessian {
         hessian.Assemble(energy, rest, given);
         hessian.HoldTurns(energy);
         isThere = !unknown.rotation.empty() && hessian.Factorise(progress) && hessian.Falling() == 0;
+        hessian.DropMatrix();
     }
 
     /// Whether it could be factorised, in a time that is worth it.
