@@ -181,20 +181,22 @@ void Compensation::MakeVertices(const SurfaceView &nominal, const Eigen::Aligned
             if (nominal.IsDeleted(i) || !box.contains(p)) // beyond the part a polynomial tells nothing
                 continue;
             made = (*this)(p);
-            missed[i] = (Predicted(made) - p).norm();
+            missed[i] = ((Predicted(made) - p) / scale).norm();
         }
     });
     double vertices = 0;
     for (std::size_t i = 0; i < nominal.vertexSlots; ++i) {
         if (missed[i] < 0)
             continue;
-        const double change = (position.col(Eigen::Index(i)) - nominal.At(i)).norm();
+        const double change = ((position.col(Eigen::Index(i)) - nominal.At(i)) / scale).norm();
         report.change += change * change;
         report.changeMost = std::max(report.changeMost, change);
         report.missed = std::max(report.missed, missed[i]);
         ++vertices;
     }
-    report.change = std::sqrt(report.change / std::max(vertices, 1.0));
+    report.change = std::sqrt(report.change / std::max(vertices, 1.0)) * scale;
+    report.changeMost *= scale;
+    report.missed *= scale;
     progress(1, "Compensating");
 }
 

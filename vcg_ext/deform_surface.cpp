@@ -175,9 +175,14 @@ DeformationCheck CheckPose(const SurfaceView &mesh, const Handles &handles, cons
 
 SurfaceContact ContactOf(const SurfaceView &mesh, const Deformer &deformer, const PositionsRef &position,
                          const DeformerParam &param, const Progress &progress) {
+    const double unit = detail::UnitOf(deformer.frame.scale);
     // What is a hair apart is at one place, and no less than what the mapping rounds by.
-    return FindContact(mesh, position, deformer.frame.metric, std::max(param.weldDistance, defaultWeldDistance),
-                       progress);
+    SurfaceContact contact = FindContact(mesh, position, deformer.frame.metric / unit,
+                                         std::max(param.weldDistance, defaultWeldDistance), progress);
+    contact.largest *= unit;
+    for (float &depth : contact.depth)
+        depth = float(double(depth) * unit);
+    return contact;
 }
 
 double PercentToContact(const SurfaceView &mesh, const Deformer &deformer,

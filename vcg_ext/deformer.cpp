@@ -136,16 +136,17 @@ double Deformer::DiscretisationError(const Pose &pose, const SolverParam &solver
     ForRegions(progress, "Estimating the error", [&](std::size_t i, const Progress &part) {
         error[i] = Region(i).DiscretisationError(pose.region[i], solver, part);
     });
-    double squares = 0, areas = 0; // world units
+    double squares = 0, areas = 0; // in a unit near the size
     Eigen::AlignedBox3d box;
+    const double unit = detail::UnitOf(frame.scale);
     for (std::size_t i = 0; i < regions.size(); ++i) {
         const SurfaceGraph &surface = regions[i]->surface;
-        const double square = surface.frame.scale * surface.frame.scale, area = surface.area * square;
+        const double scale = surface.frame.scale / unit, square = scale * scale, area = surface.area * square;
         squares += area * error[i] * error[i] * square;
         areas += area;
         box.extend(BoxOf(*regions[i]));
     }
-    return squares == 0 ? 0 : std::sqrt(squares / areas) / box.diagonal().norm();
+    return squares == 0 ? 0 : std::sqrt(squares / areas) / (box.diagonal() / unit).norm();
 }
 
 bool HasNodes(const Deformer &deformer, const Eigen::Matrix3Xd &nodes) {

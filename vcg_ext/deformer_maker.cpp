@@ -114,16 +114,24 @@ class DeformerMaker {
     bool Prepare(std::vector<ReadRegion> &read, const Progress &progress) {
         std::vector<std::pair<std::uint32_t, double>> areas; // by the first slot, as sums depend on the order
         areas.reserve(read.size() + same.size());
+        double largest = 0;
         for (const ReadRegion &each : read)
-            areas.emplace_back(each.first, AreaOf(each.surface));
+            largest = std::max(largest, each.surface.frame.scale);
         for (const auto &each : same)
-            areas.emplace_back(each->first, AreaOf(each->surface));
+            largest = std::max(largest, each->surface.frame.scale);
+        const double unit = detail::UnitOf(largest);
+        for (const ReadRegion &each : read)
+            areas.emplace_back(each.first, AreaOf(each.surface, unit));
+        for (const auto &each : same)
+            areas.emplace_back(each->first, AreaOf(each->surface, unit));
         std::sort(areas.begin(), areas.end());
         double all = 0;
         for (const auto &each : areas)
             all += each.second;
         const auto patchesOf = [&](const SurfaceGraph &surface) {
-            const double share = areas.size() == 1 ? 1 : all > 0 ? AreaOf(surface) / all : 1 / double(areas.size());
+            const double share = areas.size() == 1 ? 1
+                                 : all > 0         ? AreaOf(surface, unit) / all
+                                                   : 1 / double(areas.size());
             const int given = param.graph.initialPatches; // of the whole, by area
             return given > 0 ? std::max(1, int(std::lround(share * given))) : 0;
         };
@@ -177,8 +185,9 @@ class DeformerMaker {
             --most;
         return most;
     }
-    static double AreaOf(const SurfaceGraph &surface) { // world units^2
-        return surface.area * surface.frame.scale * surface.frame.scale;
+    /// \param unit of lengths, world units
+    static double AreaOf(const SurfaceGraph &surface, double unit) {
+        return surface.area * (surface.frame.scale / unit) * (surface.frame.scale / unit);
     }
     /// Sets what is known of each vertex, and of all regions.
     /// \param gaps between regions, too

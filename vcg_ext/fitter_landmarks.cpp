@@ -139,7 +139,7 @@ std::vector<double> Fitter::Residuals(const std::vector<Landmark> &pair, const P
         if (each.vertex >= source.vertexSlots || source.IsDeleted(each.vertex) || !each.target.allFinite())
             throw BadInput("Pair " + std::to_string(off.size()) +
                            " of those to check, counted from 0, is at no vertex, or its target is not finite.");
-        off.push_back((handles.world * position.col(Eigen::Index(each.vertex)) - each.target).norm());
+        off.push_back((handles.world * position.col(Eigen::Index(each.vertex)) - each.target).stableNorm());
     }
     return off;
 }
@@ -238,7 +238,7 @@ void Fitter::PutLandmarks(const std::vector<Landmark> &landmark, Eigen::Ref<Eige
     for (const Landmark &each : landmark) {
         const Eigen::Vector3d target = handles.world.inverse() * each.target;
         const Eigen::Vector3d off = target - position.col(Eigen::Index(each.vertex));
-        if ((handles.world.linear() * off).norm() <= rounding)
+        if (Eigen::Vector3d(handles.world.linear() * off).stableNorm() <= rounding)
             at[deformer->nodeOf[each.vertex]] = target;
     }
     if (at.empty())

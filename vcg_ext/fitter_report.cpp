@@ -73,9 +73,9 @@ void Fitter::Measure(const FitMatches &matches, FitReport &report) const {
     for (std::size_t s = 0; s < matches.Size(); ++s)
         if (matches.Counts(s) && distance[s] <= noise) {
             near.push_back(distance[s] * scale);
-            squares += near.back() * near.back();
+            squares += distance[s] * distance[s];
         }
-    report.rms = near.empty() ? 0 : std::sqrt(squares / double(near.size()));
+    report.rms = near.empty() ? 0 : std::sqrt(squares / double(near.size())) * scale;
     report.median = Quantile(near, 0.5);
     report.percentile95 = Quantile(near, 0.95);
     report.nearest = std::max(report.percentile95, 1e-4 * scale);

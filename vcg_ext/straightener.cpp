@@ -110,7 +110,8 @@ void ExpectInside(const FramedLine &line, const RegionDeformer &deformer, const 
     Eigen::AlignedBox3d box;
     for (Index u = 0; u < deformer.surface.graph.Size(); ++u)
         box.extend(toWorld(deformer.surface.graph.position.col(u).cast<double>()));
-    const Eigen::Vector3d hair = Eigen::Vector3d::Constant(0.01 * box.diagonal().norm()); // it may be drawn beside it
+    const Eigen::Vector3d hair =
+        Eigen::Vector3d::Constant(0.01 * box.diagonal().stableNorm()); // it may be drawn beside it
     box.extend(Eigen::Vector3d(box.min() - hair));
     box.extend(Eigen::Vector3d(box.max() + hair));
     const int places = 100;

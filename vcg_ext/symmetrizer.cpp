@@ -238,15 +238,17 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
     for (Index node : sample)
         drawn.Add(region, made.fitted.region[0], node);
     for (std::size_t s = 0; s < drawn.Size(); ++s) {
-        const double way = (drawn.At(s, whole) - warped.place[s]).norm() * frame.scale,
-                     moved = (drawn.At(s, half) - warped.place[s]).norm() * frame.scale;
+        const double way = (drawn.At(s, whole) - warped.place[s]).norm(),
+                     moved = (drawn.At(s, half) - warped.place[s]).norm();
         report.way += way * way / double(drawn.Size());
         report.wayMost = std::max(report.wayMost, way);
         report.moved += moved * moved / double(drawn.Size());
         report.movedMost = std::max(report.movedMost, moved);
     }
-    report.way = std::sqrt(report.way);
-    report.moved = std::sqrt(report.moved);
+    report.way = std::sqrt(report.way) * frame.scale;
+    report.wayMost *= frame.scale;
+    report.moved = std::sqrt(report.moved) * frame.scale;
+    report.movedMost *= frame.scale;
     progress(1, "Making it symmetric");
     return made;
 }
@@ -265,14 +267,14 @@ double DistanceFromMirror(const Fitter &fitter, const SurfaceView &source, const
     for (std::size_t i = 0; i < source.vertexSlots; i += step)
         if (!source.IsDeleted(i) && (!weight || weight(i) > 0)) {
             const Eigen::Vector3d p = plane(frame.ToFrame(Eigen::Vector3d(position.col(Eigen::Index(i)))));
-            far.push_back((itself->Nearest(p).point - p).norm() * frame.scale);
+            far.push_back((itself->Nearest(p).point - p).norm());
         }
     std::sort(far.begin(), far.end());
     far.resize(far.size() - far.size() / 10); // what is missing on one side is far from anything
     double squares = 0;
     for (double each : far)
         squares += each * each;
-    return far.empty() ? 0 : std::sqrt(squares / double(far.size()));
+    return far.empty() ? 0 : std::sqrt(squares / double(far.size())) * frame.scale;
 }
 
 void PutPartners(const Fitter &fitter, const SurfaceView &source, const Eigen::Affine3d &world,
@@ -280,13 +282,13 @@ void PutPartners(const Fitter &fitter, const SurfaceView &source, const Eigen::A
     const double rounding = 1e-5 * fitter.Surface().Whole().surface.frame.scale;
     const auto at = [&](std::size_t vertex) -> Eigen::Vector3d { return world * position.col(Eigen::Index(vertex)); };
     const auto isVertex = [&](const SymmetryMark &mark) {
-        return (world * Eigen::Vector3d(source.At(mark.vertex)) - mark.place).norm() <= 1e-6 * rounding;
+        return (world * Eigen::Vector3d(source.At(mark.vertex)) - mark.place).stableNorm() <= 1e-6 * rounding;
     };
     const Eigen::Affine3d back = world.inverse();
     const std::vector<Index> &nodeOf = fitter.Surface().nodeOf;
     std::map<Index, Eigen::Vector3d> placed; // with all vertices at the same place
     const auto put = [&](std::size_t vertex, const Eigen::Vector3d &to) {
-        if ((at(vertex) - to).norm() <= rounding)
+        if ((at(vertex) - to).stableNorm() <= rounding)
             placed[nodeOf[vertex]] = back * to;
     };
     for (const auto &[a, b] : goal.pairs)

@@ -29,7 +29,7 @@ from ._fit import fit
 from ._inputs import Points
 from ._mean import mean_shape
 from ._motion import Motion
-from ._numbers import shown
+from ._numbers import lengths, shown
 from ._ply import Ply
 from ._pose import Pose
 from ._results import Row, Table, state
@@ -142,7 +142,7 @@ def _apply(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Ro
         moved, turned = bend(ply.vertices, ply.normals, threads=threads)
     others = _splats.columns(ply.names, ply.columns(), bend.linear(ply.vertices, threads=threads)) if _splats.is_splats(ply.names) else {}
     ply.save(out, moved, turned, others)
-    way = np.linalg.norm(moved - ply.vertices, axis=1)
+    way = lengths(moved - ply.vertices)
     return {"vertices": len(way), "largest_displacement": float(way.max(initial=0, where=np.isfinite(way))), "off_by": bend.largest_difference}
 
 

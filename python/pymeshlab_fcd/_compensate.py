@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core, _inputs, _meshes
 from ._inputs import Points
 from ._meshes import MeshLike
+from ._numbers import lengths
 from ._progress import Progress, report
 from ._warnings import CompensationWarning, warn
 
@@ -62,7 +63,7 @@ class Compensated:
     @property
     def change(self) -> NDArray[np.float64]:
         """n distances: of each vertex from its nominal place."""
-        return np.asarray(np.linalg.norm(self._vertices - self._nominal, axis=1), np.float64)
+        return lengths(self._vertices - self._nominal)
 
     def map(self, points: ArrayLike, *, progress: Progress = None) -> Points:
         """Takes other points of the nominal part to their places in the part to print: supports, other resolutions, drawings.

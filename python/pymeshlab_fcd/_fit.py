@@ -17,6 +17,7 @@ from ._deformer import Deformer, Plan, Transforms
 from ._inputs import Points
 from ._kept import Unchanging
 from ._meshes import MeshLike
+from ._numbers import lengths
 from ._pose import Pose, PoseInfo
 from ._progress import Progress, Report, report, shared
 from ._warnings import FoldWarning, LandmarkWarning, MatchWarning, NotAtRestWarning, Told, triangles_turned, warn
@@ -343,7 +344,7 @@ class Fitter(Unchanging):
         made = Fitted(self._deformer, solved)
         made._report = found
         made._write(None, None, report(told, 70, 90), lambda vertices: fitting.put(points, places, vertices))
-        found["check"] = tuple(np.linalg.norm(made.vertices[judges] - judged, axis=1).tolist())
+        found["check"] = tuple(lengths(made.vertices[judges] - judged).tolist())
         warn(made._words(made._check(report(told, 90, 100))["folded"]), level)
         made._warn_of_contact(level + 1)
         return made

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from . import _tables
 from ._inputs import Points
-from ._numbers import shown
+from ._numbers import lengths, shown
 
 _FEWEST: Final = {"distance": 2, "length": 2, "girth": 3}
 
@@ -27,7 +27,7 @@ class Measure(NamedTuple):
         """In units of the places, which are n x 3."""
         way = places[self.vertices]
         ends = np.roll(way, -1, axis=0) if self.kind == "girth" else way[1:]
-        return float(np.linalg.norm(ends - way[:len(ends)], axis=1).sum())
+        return float(lengths(ends - way[:len(ends)]).sum())
 
 
 def read(path: str | os.PathLike[str]) -> list[Measure]:

@@ -26,6 +26,14 @@ def plain(name: str, values: object, what: str = "an array of numbers") -> NDArr
     return array
 
 
+def lengths(rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of n x 3, n numbers, also where squares of them are none."""
+    largest = np.abs(rows).max(initial=0)
+    unit = 1.0 if not 0 < largest < np.inf or 1e-100 < largest < 1e100 else np.ldexp(1.0, int(np.log2(largest)))
+    found: NDArray[np.float64] = np.linalg.norm(rows / unit, axis=1) * unit
+    return found
+
+
 def text(name: str, value: object, example: str = "") -> str:
     """A text that can be written as UTF-8."""
     if not isinstance(value, str):

@@ -13,7 +13,7 @@ from ._deformer import Deformer
 from ._fit import Fitter
 from ._inputs import Points
 from ._meshes import MeshLike
-from ._numbers import plain, told_shape
+from ._numbers import lengths, plain, told_shape
 from ._pose import Pose
 from ._progress import Progress, report, shared
 from ._warnings import FoldWarning, LandmarkWarning, NotAtRestWarning, SymmetryWarning, Told, triangles_turned, warn
@@ -97,8 +97,7 @@ class Symmetrized(Pose):
     @property
     def asymmetry(self) -> NDArray[np.float64]:
         """n distances, in units of the vertices, of each vertex from the mirror image of its counterpart. 0 is symmetric."""
-        rest = self.deformer.vertices
-        return np.asarray(np.linalg.norm(self._mirrored - rest, axis=1), np.float64)
+        return lengths(self._mirrored - self.deformer.vertices)
 
     def other_side(self) -> OtherSide:
         """Mirror images of the parts without a counterpart: of a mesh, the faces without a matched corner; of a cloud, the points. Join

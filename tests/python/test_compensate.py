@@ -179,7 +179,8 @@ def test_parts_of_any_size_are_compensated_alike(size):
     """Squares of such lengths are no numbers."""
     points, faces, _, printed = block(8.0)
     usual, odd = compensate(points, faces, printed(points)), compensate(size * points, faces, size * printed(points))
-    assert np.abs(odd.vertices / size - usual.vertices).max() < 1e-5
+    assert np.abs(odd.vertices / size - usual.vertices).max() < 1e-5 and np.abs(odd.change / size - usual.change).max() < 1e-5
+    assert odd.info.change / size == pytest.approx(usual.info.change, rel=1e-4) and odd.info.left / size == pytest.approx(usual.info.left, rel=1e-3)
 
 
 def test_what_makes_no_sense_is_told(part):

@@ -807,3 +807,34 @@ def test_meshes_and_clouds_of_any_size_bend_alike(size):
 
     for triangles in (faces, np.zeros((0, 3), int)):
         np.testing.assert_allclose(bent(size, triangles), bent(1, triangles), rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("size", [2.0**-1000, 2.0**-300, 2.0**300, 2.0**600, 2.0**900])
+def test_what_is_told_of_a_pose_does_not_depend_on_the_unit(size):
+    """Normals, folds, contact, errors, loose parts, regions that share patches, landmarks by their place."""
+    vertices, faces, tags, turn = finger(60, 20)
+    button = vertices[:160] * [0.5, 0.1, 0.1] + [40, 0, 9]
+    near = (faces < 160).all(1)
+    vertices = np.r_[vertices, button, 2 * vertices + [0, 50, 0]]
+    faces = np.r_[faces, faces[near] + 1200, faces + 1360]
+    tags = np.r_[tags, np.ones(160, int), tags]
+
+    def told(by):
+        about = np.array([40.0, 0, 0]) * by
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeformationWarning)
+            deformer = Deformer(vertices * by, faces, tags, points=[vertices[1400 + 20 * 22] * by], patches=100)
+            pose = deformer.pose({2: Motion.rotate([0, 1, 0], -160, about=about)}, steps=10, landmarks=deformer.vertices[deformer.points])
+            pinched = deformer.pose({2: Motion.rotate([1, 0, 0], 900, about=about)})
+            return {"vertices": pose.vertices / by, "normals": pose.normals, "stretch": pose.stretch(), "contact": pose.contact.faces,
+                    "depth": pose.info.contact_depth / by, "error": pose.discretisation_error(), "point": deformer.points,
+                    "folded": pinched.info.folded, "patches": deformer.patch_of, "nodes": deformer.graph.nodes / by,
+                    "percent": finger_of(by).percent_to_contact({2: Motion.rotate([0, 1, 0], -160, about=about)})}
+
+    def finger_of(by):
+        return Deformer(vertices[:1200] * by, faces[:len(near)], tags[:1200])
+
+    expected, found = told(1), told(size)
+    assert expected["folded"] > 0 and len(expected["contact"]) > 0 and expected["percent"] < 100 and expected["error"] > 0
+    for name, each in found.items():
+        assert same(np.asarray(each), np.asarray(expected[name])), name

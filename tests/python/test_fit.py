@@ -526,3 +526,16 @@ def test_the_example_lays_a_template_onto_a_scan(tmp_path):
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("100 % have a counterpart")
     assert rms(trimesh.load(tmp_path / "fitted.ply", process=False).vertices, there(TRUTH)) < 0.5 * 1.2
+
+
+@pytest.mark.parametrize("size", [2.0**-900, 2.0**600])
+def test_surfaces_of_any_size_are_fitted_alike(size):
+    """Squares of such lengths are no numbers. Landmarks are met to the bit."""
+    def laid(by):
+        return fit(VERTICES * by, FACES, TARGET * by, TARGET_FACES, landmarks=(CHOSEN, TRUTH[CHOSEN] * by), check=(CHOSEN[:1] + 1, TRUTH[CHOSEN[:1] + 1] * by), **QUICK)
+
+    usual, odd = laid(1), laid(size)
+    assert same(odd.vertices / size, usual.vertices) and same(usual.vertices[CHOSEN], TRUTH[CHOSEN])
+    for name in ("rms", "median", "percentile_95", "landmark_residual", "landmark_pull", "moved"):
+        assert getattr(odd.info, name) / size == getattr(usual.info, name), name
+    assert odd.info.matched == usual.info.matched and odd.info.check[0] / size == usual.info.check[0] > 0

@@ -512,3 +512,20 @@ def test_the_filter_writes_the_same_bits(tmp_path):
     made.write(prepared(), gltf=tmp_path / "python.glb", pc2=tmp_path / "python.pc2", rate=8)
     assert (tmp_path / "filter.pc2").read_bytes() == (tmp_path / "python.pc2").read_bytes()
     assert (tmp_path / "filter.glb").read_bytes() == (tmp_path / "python.glb").read_bytes()
+
+
+@pytest.mark.parametrize("size", [2.0**-600, 2.0**600])
+def test_poses_of_surfaces_of_any_size_are_blended_alike(size, tmp_path):
+    """About one joint; and the table knows its surface."""
+    vertices, faces, tags = SURFACE
+
+    def blended(by):
+        turns = {f"by {angle}": {2: Motion.rotate([0, 1, 0], angle, about=np.array([5, 0.5, 0]) * by)} for angle in (-30, -60)}
+        deformer, poses = Deformer(vertices * by, faces, tags), PoseSequence(turns)
+        poses.save(tmp_path / "poses.csv", deformer)
+        read = PoseSequence.load(tmp_path / "poses.csv")
+        with pytest.raises(ValueError, match="of another surface"):
+            read.blend(Deformer((vertices + [1, 0, 0]) * by, faces, tags), {"by -30": 100})
+        return read.blend(deformer, {"by -30": 50, "by -60": 50}).vertices / by
+
+    np.testing.assert_allclose(blended(size), blended(1), rtol=0, atol=1e-9)

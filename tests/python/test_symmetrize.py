@@ -210,3 +210,18 @@ def test_a_plane_that_is_not_sure_is_told():
 def test_errors_speak_of_what_was_given(places, given, text):
     with pytest.raises(ValueError, match=text):
         symmetrize(places, **given)
+
+
+@pytest.mark.parametrize("size", [2.0**-900, 2.0**600])
+def test_surfaces_of_any_size_become_symmetric_alike(size):
+    """Squares of such lengths are no numbers. Pairs of vertices become mirror images to the bit."""
+    pairs, (at, faces) = [(10, 30), (400, 420), (800, 820)], directions(30, 40)
+
+    def restored(by):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeformationWarning)
+            return symmetrize(buried(skull(at, 3)) * by, faces, pairs=pairs)
+
+    usual, odd = restored(1), restored(size)
+    assert same(odd.vertices / size, usual.vertices) and same(odd.asymmetry / size, usual.asymmetry)
+    assert odd.symmetry.before / size == usual.symmetry.before and odd.symmetry.after / size == usual.symmetry.after

@@ -51,6 +51,25 @@ struct Frame {
 
 namespace detail {
 
+/// A power of two near \p size, by which lengths are divided whose products would be no numbers: no bit of them
+/// changes. \return 1 where products are numbers
+inline double UnitOf(double size) {
+    if (!(size > 0) || (size > 1e-30 && size < 1e30)) // up to six are multiplied, a hundred thousandth of it and more
+        return 1;
+    return std::ldexp(1.0, std::min(std::max(std::ilogb(size), -1000), 1000));
+}
+
+/// Tells points in that unit of their size. \return it
+inline double TakeUnit(std::vector<Eigen::Vector3d> &points) {
+    double farthest = 0;
+    for (const Eigen::Vector3d &p : points)
+        farthest = std::max(farthest, p.cwiseAbs().maxCoeff());
+    const double unit = UnitOf(farthest);
+    for (Eigen::Vector3d &p : points)
+        p /= unit;
+    return unit;
+}
+
 /// From the frame to the world with the whole of a layer's matrix, and back: they differ by a scale and a shift.
 struct ToWorld {
     double scale;

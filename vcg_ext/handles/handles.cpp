@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/base/elementary.h>
+#include <vcg_ext/base/frame.h>
 #include <vcg_ext/base/rotation_vector.h>
 #include <vcg_ext/handles/handles.h>
 
@@ -58,8 +59,9 @@ struct Way {
 /// the nearest places on both axes; 0 where these lie on different sides, or one is at the center, or far.
 double SameAxis(const Way &one, const Way &other) {
     const double a = one.turn.squaredNorm(), b = other.turn.squaredNorm();
-    const Eigen::Vector3d toOne = one.turn.cross(one.speed) * b,
-                          toOther = other.turn.cross(other.speed) * a; // times a b
+    const double unit = detail::UnitOf(std::max(one.speed.cwiseAbs().maxCoeff(), other.speed.cwiseAbs().maxCoeff()));
+    const Eigen::Vector3d toOne = one.turn.cross(one.speed / unit) * b,
+                          toOther = other.turn.cross(other.speed / unit) * a; // times a b
     const double sum = toOne.squaredNorm() + toOther.squaredNorm();
     return sum > 0 ? std::max(0.0, 2 * toOne.dot(toOther) / sum) : 0;
 }
@@ -78,14 +80,15 @@ Way::Way(const Motion &motion, const Eigen::Matrix3d &rotation, const Eigen::Vec
     }
     // Axis and angle are those of the matrix, so that the way ends there, but near the identity, which has no axis.
     const double fullTurn = 2 * detail::pi;
-    Eigen::Vector3d axis = motion.turn.normalized();
+    const double whole = detail::Length(motion.turn);
+    Eigen::Vector3d axis = motion.turn / whole;
     const double side = shortest.axis.dot(axis);
     double angle = shortest.angle * side;
     if (shortest.angle > 1e-6) {
         axis = side < 0 ? Eigen::Vector3d(-shortest.axis) : shortest.axis;
         angle = side < 0 ? -shortest.angle : shortest.angle;
     }
-    angle += fullTurn * std::round((motion.turn.norm() - angle) / fullTurn);
+    angle += fullTurn * std::round((whole - angle) / fullTurn);
     turn = angle * axis;
     const Eigen::Vector3d arm = center - motion.pivot;
     speed = turn.cross(arm);
@@ -131,7 +134,7 @@ Eigen::Matrix4d Motion::At(double percent, const Eigen::Vector3d &center) const 
 }
 
 void Motion::SetTurn(const Eigen::Vector3d &wholeTurn, const Eigen::Vector3d &point) {
-    const double angle = wholeTurn.norm();
+    const double angle = detail::Length(wholeTurn);
     if (!std::isfinite(angle) || !point.allFinite() || angle < 3.14159)
         return;
     // The tolerance is for layers placed in single precision.

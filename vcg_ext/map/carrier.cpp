@@ -147,9 +147,10 @@ std::vector<Eigen::Affine3d> Carrier::PlaceMotions(unsigned threads) const {
                 moved[k] = (*mapped[there.number])(there.node, rest[k]);
             }
             Eigen::Matrix3d from, to;
+            const double unit = detail::UnitOf(surface.frame.scale);
             for (int k = 0; k < 3; ++k) {
-                from.col(k) = rest[k + 1] - rest[0];
-                to.col(k) = moved[k + 1] - moved[0];
+                from.col(k) = (rest[k + 1] - rest[0]) / unit;
+                to.col(k) = (moved[k + 1] - moved[0]) / unit;
             }
             result[i].linear() = to * from.inverse();
             result[i].translation() = moved[0] - result[i].linear() * rest[0];

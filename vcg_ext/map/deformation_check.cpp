@@ -58,6 +58,7 @@ Index CountFlipped(const SurfaceView &mesh, const MovingSurface &moving, std::si
         turn.push_back(RotationOf(map));
     std::atomic<Index> folded{0};
     const std::size_t faces = surface.faces.size();
+    const double inverse = 1 / UnitOf(surface.frame.scale);
     ParallelFor(progress, "Checking the result", faces, 1 << 12, [&](std::size_t first, std::size_t last) {
         Index count = 0;
         for (std::size_t i = first; i < last; ++i) {
@@ -76,7 +77,7 @@ Index CountFlipped(const SurfaceView &mesh, const MovingSurface &moving, std::si
                 const MovingSurface::Place place = moving.At(slot[k]);
                 patch[k] = place.region && place.number == r ? patchOf[place.node] : -1;
             }
-            const auto toWorld = [&](const Vector3d &v) { return surface.frame.ToWorld(v); };
+            const auto toWorld = [&](const Vector3d &v) -> Vector3d { return inverse * surface.frame.ToWorld(v); };
             const auto rest = [&](int k) { return Vector3d(mesh.At(slot[k])); };
             const auto posed = [&](int k) { return Vector3d(position.col(Eigen::Index(slot[k]))); };
             const Vector3d a = toWorld(rest(1) - rest(0)), b = toWorld(rest(2) - rest(0)), normal = a.cross(b);

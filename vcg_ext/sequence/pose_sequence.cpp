@@ -70,9 +70,10 @@ SurfaceMark SurfaceMark::Of(const SurfaceView &surface, const Eigen::Affine3d &w
 }
 
 bool SurfaceMark::IsSame(const SurfaceMark &other) const {
-    const double near = 1e-4 * std::max(box.diagonal().norm(), other.box.diagonal().norm()); // files have six digits
-    return vertices == other.vertices && (box.min() - other.box.min()).norm() <= near &&
-           (box.max() - other.box.max()).norm() <= near;
+    const double near =
+        1e-4 * std::max(box.diagonal().stableNorm(), other.box.diagonal().stableNorm()); // files have six digits
+    return vertices == other.vertices && (box.min() - other.box.min()).stableNorm() <= near &&
+           (box.max() - other.box.max()).stableNorm() <= near;
 }
 
 std::vector<double> PoseSequence::WeightsAt(double time) const {

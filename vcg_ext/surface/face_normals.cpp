@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/base/angle.h>
+#include <vcg_ext/base/frame.h>
 #include <vcg_ext/base/parallel.h>
 #include <vcg_ext/surface/face_normals.h>
 
@@ -26,10 +27,18 @@ struct FacesOfRange {
                 continue;
             }
             const std::uint32_t *corner = surface.corner + 3 * (first + f);
-            const Eigen::Vector3d p = Position(position + 3 * std::size_t(corner[0])),
-                                  a = Position(position + 3 * std::size_t(corner[1])) - p,
-                                  b = Position(position + 3 * std::size_t(corner[2])) - p, cross = a.cross(b);
-            const double length = cross.norm(), scale = length > 0 ? 1 / length : 0;
+            const Eigen::Vector3d p = Position(position + 3 * std::size_t(corner[0]));
+            Eigen::Vector3d a = Position(position + 3 * std::size_t(corner[1])) - p,
+                            b = Position(position + 3 * std::size_t(corner[2])) - p, cross = a.cross(b);
+            double length = cross.norm();
+            if (!(length > 1e-100 && length < 1e100)) { // then its square may be no number
+                const double unit = detail::UnitOf(std::max(a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff()));
+                a /= unit;
+                b /= unit;
+                cross = a.cross(b);
+                length = cross.norm();
+            }
+            const double scale = length > 0 ? 1 / length : 0;
             normal[f] = cross * scale;
             angle[0][f] = float(a.dot(b) * scale);
             angle[1][f] = float(a.dot(a - b) * scale);

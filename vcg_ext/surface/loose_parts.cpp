@@ -42,6 +42,7 @@ class Places {
         point.reserve(slot.size());
         for (std::size_t i : slot)
             point.push_back(frame.ToWorld(position.col(Eigen::Index(i))));
+        unit = detail::TakeUnit(point);
         if (!slot.empty())
             tree = std::make_unique<PointTree<double>>(point);
     }
@@ -50,14 +51,16 @@ class Places {
 
     /// The slot of the place nearest to \p p (mesh units). \param distance in the world, out
     std::size_t Nearest(const Eigen::Vector3d &p, double &distance) const {
-        return slot[std::size_t(tree->Nearest(frame.ToWorld(p), &distance))];
+        const std::size_t nearest = slot[std::size_t(tree->Nearest(frame.ToWorld(p) / unit, &distance))];
+        distance *= unit;
+        return nearest;
     }
 
     static constexpr int several = LooseFollowing::several;
     /// The slots of the places nearest to \p p, and weights of sum 1 that change smoothly with it; -1 fills up.
     void Several(const Eigen::Vector3d &p, Index slots[several], float weights[several]) const {
         std::vector<PointTree<double>::Neighbour> nearest;
-        tree->Nearest(frame.ToWorld(p), several + 1, nearest);
+        tree->Nearest(frame.ToWorld(p) / unit, several + 1, nearest);
         std::vector<std::pair<double, Index>> found;
         found.reserve(several + 1);
         for (const auto &each : nearest)
@@ -79,6 +82,7 @@ class Places {
 
   private:
     const Frame &frame;
+    double unit; ///< world units, of the tree's
     std::vector<std::size_t> slot;
     std::unique_ptr<PointTree<double>> tree;
 };
@@ -192,7 +196,7 @@ LooseFollowing FollowNearest(const PositionsRef &position, const std::vector<int
     }
     std::vector<char> isLarge(loose.parts);
     for (Index part = 0; part < loose.parts; ++part)
-        isLarge[part] = box[part].diagonal().norm() > large(following.leader[part]);
+        isLarge[part] = box[part].diagonal().stableNorm() > large(following.leader[part]);
     for (std::size_t i = 0; i < slotTag.size(); ++i)
         if (loose.partOf[i] >= 0 && isLarge[loose.partOf[i]]) {
             following.vertex.emplace_back();

@@ -74,10 +74,7 @@ VertexChunks FindVertices(const SurfaceView &mesh, const IsPart &isPart, const F
 /// Tells two boxes in another unit where the squares of lengths in \p all would be no numbers: a power of two, near its
 /// size. \return the unit; 1 where it need not be another
 inline double TakeUnit(const Eigen::AlignedBox3d &all, Eigen::AlignedBox3d &one, Eigen::AlignedBox3d &other) {
-    const double size = all.min().cwiseAbs().cwiseMax(all.max().cwiseAbs()).maxCoeff();
-    if (size == 0 || (size > 1e-100 && size < 1e100))
-        return 1;
-    const double unit = std::ldexp(1.0, std::max(std::ilogb(size), -1000));
+    const double unit = UnitOf(all.min().cwiseAbs().cwiseMax(all.max().cwiseAbs()).maxCoeff());
     for (Eigen::AlignedBox3d *box : {&one, &other})
         *box = {box->min() / unit, box->max() / unit};
     return unit;
