@@ -8,13 +8,14 @@ namespace vcg::fcd {
 namespace {
 
 /// Whether no connected part of what is free has as much as a third of its area: not of its vertices, so that crumbs
-/// count as what they are.
+/// count as what they are. \throw BadInput where all its triangles are lines, of which nothing tells how they bend
 bool IsInParts(const SurfaceView &source, const Deformer &deformer, const Progress &progress) {
     std::vector<Index> componentOf;
     const Index parts = ConnectedComponents(deformer.Whole().surface.graph.adjacency, componentOf,
                                             progress.Slice(0, 0.4), readingStage);
     std::vector<double> area(std::size_t(parts), 0);
     double all = 0;
+    bool isLines = false, isSurface = false;
     const Progress adding = progress.Slice(0.4, 1);
     for (std::size_t f = 0; f < source.faces; ++f) {
         adding.Round(f, source.faces, readingStage);
@@ -25,10 +26,15 @@ bool IsInParts(const SurfaceView &source, const Deformer &deformer, const Progre
         };
         const Eigen::Vector3d p = at(0), a = at(1) - p, b = at(2) - p;
         const double each = a.cross(b).norm();
+        (each * each > 1e-12 * a.squaredNorm() * b.squaredNorm() ? isSurface : isLines) =
+            true; // or it is rounding, in single precision
         all += each;
         if (const Index node = deformer.nodeOf[source.corner[3 * f]]; node >= 0) // else a loose part
             area[std::size_t(componentOf[std::size_t(node)])] += each;
     }
+    if (isLines && !isSurface)
+        throw BadInput("The surface has no triangle with an area where it is free to bend. Take its vertices alone, as "
+                       "a cloud.");
     return !area.empty() && 3 * *std::max_element(area.begin(), area.end()) < all;
 }
 

@@ -470,6 +470,9 @@ NOWHERE = np.array([[0, 0, 0.0], [0, 0, 1]])
     (TARGET[:, :2], {}, "target_vertices must be n x 3"),
     (TARGET, {"target_faces": [[0, 1, 9999]]}, "target_faces must hold numbers of vertices"),
     (TARGET, {"target_faces": [[0, 1, 1]]}, "The target has no triangle with an area"),
+    (TARGET, {"vertices": VERTICES * [0, 0, 1]}, "The surface has no triangle with an area where it is free to bend"),
+    (TARGET, {"vertices": np.outer(VERTICES[:, 2], [0.3, 0.2, 1])}, "The surface has no triangle with an area where it is free to bend"),
+    (TARGET, {"faces": FACES[:, [0, 1, 1]]}, "The surface has no triangle with an area where it is free to bend"),
     (TARGET, {"target_normals": TARGET * np.nan}, "target_normals must be finite"),
     (TARGET, {"tags": 0 * FIXED}, "There is nothing to fit: no vertex is free"),
     (TARGET, {"transforms": {2: np.eye(4)}}, "no vertex has tag 2"),
@@ -498,7 +501,7 @@ NOWHERE = np.array([[0, 0, 0.0], [0, 0, 1]])
 ])
 def test_what_cannot_be_taken(target, given, message):
     with pytest.raises(ValueError, match=message):
-        fit(VERTICES, FACES, target, **{**QUICK, **given})
+        fit(**{"vertices": VERTICES, "faces": FACES, "target_vertices": target, **QUICK, **given})
 
 
 def test_what_has_no_solution():

@@ -406,6 +406,11 @@ TEST(Fit, TellsALineFromAPlane) {
 TEST(Fit, SaysWhatCannotBe) {
     ExpectError([] { Fit(source, Points(Shape{})); }, "no vertices");
     ExpectError([] { Fit(Shape{}, target); }, "There is nothing to fit: the surface has no vertices");
+    ExpectError(
+        [] {
+            Fit(Shape{{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}, {{0, 1, 2}}, {}}, target);
+        },
+        "The surface has no triangle with an area where it is free to bend");
     ExpectError([] { Fit(source, Shape{{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}, {{0, 1, 2}}, {}}); }, "no triangle");
     ExpectError([] { Fit(source, target, Small(), {}, {{source.position.size(), {0, 0, 0}}}); }, "Landmark 1");
     ExpectError([] { Fit(source, target, Small(), {}, {{3, {0, 0, 0}}, {3, {1, 0, 0}}}); }, "Landmark 2");

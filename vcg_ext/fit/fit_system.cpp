@@ -257,7 +257,8 @@ void FitSystem::Factorise(System<N> &system) {
     isNew = isFactored = system.factor.Factorise(system.matrix, {}, "") && system.factor.Negative() == 0;
     if (!isFactored)
         throw Unsolvable("The fit cannot be solved in double precision. Take stiffness and smoothness nearer to their "
-                         "defaults, or remove stray points of the target.");
+                         "defaults, remove stray points of the target, or, if the surface is as thin as a line, take "
+                         "its vertices alone, as a cloud.");
 }
 
 void FitSystem::Take(const Change &step, GraphPose &pose) {
