@@ -4,19 +4,19 @@
 
 namespace vcg::fcd {
 
-/// Weights w_ij of the deformation graph's edges.
+/// How the weights w_ij of the deformation graph's edges are chosen.
 enum class GraphWeights {
-    Border,  ///< what flows over the common border of the two patches where a field rises by 1 from centre to centre
-             ///< (its straight length over the centres' distance), so that around each node as much flows in every
-             ///< direction as the surface carries. With a patch a vertex, the cotangent weights.
+    Border,  ///< the flux, through the common border of the two patches, of a linear field that rises by 1 from centre
+             ///< to centre; corrected so that each node's edges carry as much as the surface in every direction
+             ///< (MatchTensors). With one vertex a patch, these are the cotangent weights.
     Uniform, ///< 1 for every edge (paper, Eqs. 3 and 4)
-    /// The same, with the nodes at the patches' central vertices and all edges from node to node (paper, sec. 2.1): a
-    /// deformer with them keeps to what is printed in all else, too, to compare with it.
+    /// As Uniform, for the paper to the letter: nodes at the patches' central vertices, edges from node to node (paper,
+    /// sec. 2.1), and none of the steps in BeyondPaper.
     Printed
 };
 
-/// The steps that go beyond what the paper prints. Here alone it is decided that there are none in the mode that
-/// compares with it; elsewhere each is asked for by its name.
+/// The steps beyond the paper. All are on, except with GraphWeights::Printed, where all are off. Ask for a step by its
+/// name, not for the weights.
 struct BeyondPaper {
     bool barycenters;  ///< nodes at the barycentres of their patches, not at their central vertices (sec. 2.1)
     bool borders;      ///< edges to constrained patches end at the border, not at the node (sec. 2.1)
