@@ -26,7 +26,7 @@ std::vector<Index> NodesWithin(const Graph &graph, const std::vector<Index> &see
         const auto [d, u] = queue.top();
         queue.pop();
         if (d > distanceOf[std::size_t(u)])
-            continue; // reached by a shorter way since
+            continue; // a shorter path was found since
         found.push_back(u);
         if (distances)
             distances->push_back(d);

@@ -85,7 +85,7 @@ std::size_t RegionSource::Find(std::size_t inMesh) const {
 
 namespace {
 
-/// Takes the parts of a mesh, as TakeRegions tells.
+/// Does TakeRegions.
 class RegionTaker {
   public:
     RegionTaker(const RegionSource &source, const SurfaceGraph &surface, const std::vector<Index> &tag,
@@ -120,7 +120,7 @@ class RegionTaker {
         const Index u = NodeOf(slot);
         return u >= 0 && regions.regionOf[std::size_t(u)] == Index(r);
     }
-    /// The region of an element, -1 for none: that of a free corner. \param corner its \p count slots
+    /// The region of an element's free corners; -1: none is free. \param corner its \p count slots
     Index RegionOf(const std::uint32_t *corner, int count) const {
         for (int k = 0; k < count; ++k)
             if (const Index u = NodeOf(corner[k]); u >= 0 && regions.regionOf[std::size_t(u)] >= 0)
@@ -128,8 +128,8 @@ class RegionTaker {
         return -1;
     }
 
-    /// The regions that an element without a free node holds, ascending: those beside its free vertices, which are at
-    /// the place of held ones.
+    /// The regions that an element without a free node belongs to, ascending: those beside its free vertices, which
+    /// share nodes with held ones.
     std::vector<Index> HeldBy(const std::uint32_t *corner, int count) const {
         std::vector<Index> all, of;
         for (int k = 0; k < count; ++k)
@@ -142,7 +142,7 @@ class RegionTaker {
         return all;
     }
 
-    /// The faces and edge elements of each part, and the slots that these alone bring into it.
+    /// Lists the faces and edge elements of each part, and their slots that are not free in it.
     void ListElements(const Progress &progress) {
         std::vector<Index> regionOf;
         AssignLarge(regionOf, surface.faces.size(), Index(-1));
@@ -184,7 +184,7 @@ class RegionTaker {
             }
     }
 
-    /// The slots of each part: the free ones, those of what holds it, and those of its elements.
+    /// Lists the slots of each part: free ones, those that hold it, and those of its elements.
     void ListSlots(const Progress &progress) {
         std::vector<std::vector<std::pair<Index, std::uint32_t>>> found((mesh.vertexSlots + grain - 1) / grain);
         ParallelFor(progress, readingStage, mesh.vertexSlots, grain, [&](std::size_t first, std::size_t last) {
@@ -198,7 +198,7 @@ class RegionTaker {
                     of.assign(1, regions.regionOf[std::size_t(u)]);
                 else if (slotTag[i] != 1)
                     regions.Of(surface.graph, u, of);
-                else // at the place of a held one: what it belongs to, its elements tell
+                else // free, but shares a held node: ListElements adds it
                     continue;
                 for (Index region : of)
                     if (region >= 0)
@@ -234,7 +234,7 @@ class RegionTaker {
                 Eigen::Map<Eigen::Vector3d>(part.arrays.Position(i)) = mesh.At(part.slotOf[i]);
                 const std::size_t slot = part.slotOf[i];
                 const Index u = NodeOf(slot);
-                // What only a face without an area joins with it is free elsewhere, and held here.
+                // A vertex that only a degenerate face brings in is free in another region, and held in this one.
                 const bool isOfOthers = u >= 0 && tag[std::size_t(u)] == 1 && !IsFreeIn(r, slot);
                 part.tag[i] = isOfOthers ? 0 : slotTag[slot];
                 if (IsFreeIn(r, slot))
@@ -271,8 +271,8 @@ class RegionTaker {
     const SurfaceRegions &regions;
     std::vector<RegionSource> parts;
     std::vector<std::vector<std::size_t>> edges;       // of each part
-    std::vector<std::uint32_t> local;                  // of each slot that is free: its place in its part
-    std::vector<std::pair<Index, std::uint32_t>> more; // parts, and slots that their elements bring into them
+    std::vector<std::uint32_t> local;                  // of each free slot: its slot in its part
+    std::vector<std::pair<Index, std::uint32_t>> more; // a part, and a slot that an element brings into it
 };
 
 } // namespace
