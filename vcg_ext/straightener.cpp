@@ -14,7 +14,7 @@ namespace vcg::fcd {
 
 StraightenParam::StraightenParam() {
     bendsUnheld = true;
-    graph.initialPatches = 1000; // a patch of something that is fifty times as long as thick is no wider than that
+    graph.initialPatches = 1000; // patches are no wider than a body that is fifty times as long as it is thick
 }
 
 Handles AllFree(std::size_t slots, const Eigen::Affine3d &world) {
@@ -28,7 +28,7 @@ namespace {
 
 using detail::ToWorld;
 
-/// Constrains, of each component of a graph without a constrained node, the one that is nearest to the line.
+/// Constrains the node nearest to the line in each component of the graph that has no constrained node.
 void ConstrainComponents(const Csr &adjacency, const FramedLine &line, const Eigen::Matrix3Xd &position,
                          const std::vector<double> &place, std::vector<bool> &constrained) {
     std::vector<char> seen(constrained.size(), 0);
@@ -54,8 +54,7 @@ void ConstrainComponents(const Csr &adjacency, const FramedLine &line, const Eig
     }
 }
 
-/// Where along the line nodes are released, in report.releasedAt: as far as their patches reach, together where these
-/// touch.
+/// Sets report.releasedAt: the ranges of the line that patches of released nodes cover.
 void ListReleased(const std::vector<double> &place, const std::vector<bool> &constrained, const DeformationGraph &graph,
                   double scale, StraightenReport &report) {
     std::vector<std::pair<double, double>> at;
@@ -73,7 +72,7 @@ void ListReleased(const std::vector<double> &place, const std::vector<bool> &con
             report.releasedAt.push_back(each);
 }
 
-/// How far the surface is from where its cross-sections went, in report.rms and report.largest.
+/// Sets report.rms and report.largest.
 void MeasureDifference(const RegionDeformer &deformer, const ToWorld &toWorld, const LineMotion &motion,
                        const std::vector<double> &place, const std::vector<bool> &constrained, const RegionPose &pose,
                        const Progress &progress, StraightenReport &report) {
@@ -84,7 +83,7 @@ void MeasureDifference(const RegionDeformer &deformer, const ToWorld &toWorld, c
     for (const detail::LineSample &each :
          detail::SamplesAlong(motion.From(), deformer, toWorld, place, 4000, progress)) {
         const Index patch = deformer.patches.patchOf[std::size_t(each.node)];
-        bool isOfLine = constrained[std::size_t(patch)]; // and so is all around it
+        bool isOfLine = constrained[std::size_t(patch)]; // and so are all nodes around it
         for (Index i : deformer.graph.graph.adjacency[patch])
             isOfLine = isOfLine && constrained[std::size_t(i)];
         if (!isOfLine)
@@ -99,18 +98,18 @@ void MeasureDifference(const RegionDeformer &deformer, const ToWorld &toWorld, c
     progress(1, "Following the line");
 }
 
-/// The points of a line without jitter, where it is not smoothed as somebody wants it to be.
+/// The points of a line without jitter, unless smoothing is given.
 SteadyPoints Steady(const Eigen::Matrix3Xd &points, double smoothing, double thickness) {
     return smoothing > 0 || !(thickness > 0) ? SteadyPoints{points, 0} : WithoutJitter(points, thickness);
 }
 
-/// \throw BadInput where less than half of the line lies in the box of the surface
+/// \throw BadInput less than half of the line lies in the box of the surface
 void ExpectInside(const FramedLine &line, const RegionDeformer &deformer, const Eigen::Affine3d &world) {
     const ToWorld toWorld(deformer.surface.frame, world);
     Eigen::AlignedBox3d box;
     for (Index u = 0; u < deformer.surface.graph.Size(); ++u)
         box.extend(toWorld(deformer.surface.graph.position.col(u).cast<double>()));
-    const Eigen::Vector3d hair = Eigen::Vector3d::Constant(0.01 * box.diagonal().norm()); // it may be drawn beside it
+    const Eigen::Vector3d hair = Eigen::Vector3d::Constant(0.01 * box.diagonal().norm()); // for lines on the surface
     box.extend(Eigen::Vector3d(box.min() - hair));
     box.extend(Eigen::Vector3d(box.max() + hair));
     const int places = 100;
@@ -143,8 +142,7 @@ Eigen::Matrix3Xd LineOf(const LineGoal &goal, const Deformer &prepared, const Ei
     const double before = detail::StretchAlong(deformer, world, line, progress.Slice(0.8, 0.9)),
                  after =
                      detail::StretchAlong(deformer, world, FramedLine(middle, goal.smoothing), progress.Slice(0.9, 1));
-    // Else cross-sections do not tell a middle. Three hundredths are what few points, or points with some jitter, leave
-    // of a straight body; a middle that is none makes tenths.
+    // A stretch of 0.03 is what few points, or some jitter, leave in a straight body. A wrong middle makes tenths.
     const double unclear = 0.03;
     const bool isBetter = after <= std::max(before, unclear * unclear);
     if (report)
@@ -186,7 +184,7 @@ Deformer::Pose Straighten(const Deformer &prepared, const Eigen::Affine3d &world
     NodeConstraints given;
     given.compliant.assign(std::size_t(k), false);
     given.heldArea.assign(std::size_t(k), 0);
-    double farthest = 0; // that anything moves, frame units
+    double farthest = 0; // largest move of a node, frame units, or change of its linear map
     for (Index j = 0; j < k; ++j) {
         const LineMotion::Moved &its = moved.emplace_back(motion.At(place[std::size_t(j)], rest.col(j)));
         const Eigen::Vector3d before = toWorld.Back(rest.col(j)), after = toWorld.Back(its.position);
@@ -198,7 +196,7 @@ Deformer::Pose Straighten(const Deformer &prepared, const Eigen::Affine3d &world
         given.constrained.push_back(!its.isFolded && its.stretch < detail::mostStretch &&
                                     its.stretch > 1 / detail::mostStretch);
     }
-    // Where neighbours are at places far apart, it would tear.
+    // The surface would tear where neighbours lie far apart along the line.
     const double ratio = std::max(1.0, motion.Length() / line.Length());
     std::vector<char> tears(std::size_t(k), 0);
     for (Index j = 0; j < k; ++j)
@@ -229,7 +227,7 @@ Deformer::Pose Straighten(const Deformer &prepared, const Eigen::Affine3d &world
             solved.linear[std::size_t(j)] = moved[std::size_t(j)].turn;
         }
     }
-    // What moves by no more than numbers are rounded by, does not.
+    // A move by no more than rounding is none.
     solved.moves = farthest > 1e-12;
     solved.rests.assign(std::size_t(k), !solved.moves);
     MeasureEnergy(graph, param.smoothness * deformer.surface.area, solved);
