@@ -14,10 +14,10 @@ namespace vcg::fcd {
 
 namespace {
 
-// Of a part: with less of it on the target, where no other part lies, it is not led by that. Balls in and beside a
-// body have none; a limb that is apart, and of which the target has a fifth, has a twentieth.
+// The least share of a part that must lie on the target, apart from other parts, for its matches to lead it. Balls in
+// and beside a body have none; a separate limb of which the target has a fifth has a twentieth.
 constexpr double leastLed = 0.03;
-constexpr int carrySteps = 10; // a part that is placed already comes to rest in fewer
+constexpr int carrySteps = 10; // a part that is placed comes to rest in fewer
 
 } // namespace
 
@@ -31,7 +31,7 @@ FitParts::FitParts(const RegionDeformer &deformer, const FitSamples &samples, st
     for (std::size_t s = 0; s < samples.Size(); ++s)
         sampleOf.push_back(samples.begin[s] < samples.begin[s + 1]
                                ? partOf[std::size_t(samples.term[samples.begin[s]].node)]
-                               : -1); // all of it is held
+                               : -1); // all around it is held
     std::vector<char> isLed = isHeld;
     for (Index part : sampleOf)
         if (part >= 0)
@@ -41,7 +41,7 @@ FitParts::FitParts(const RegionDeformer &deformer, const FitSamples &samples, st
 
 void FitParts::Decide(const std::vector<char> &isLed) {
     isCarried.assign(isLed.size(), 0);
-    if (std::count(isLed.begin(), isLed.end(), char(0)) < std::ptrdiff_t(isLed.size())) // else nothing could carry it
+    if (std::count(isLed.begin(), isLed.end(), char(0)) < std::ptrdiff_t(isLed.size())) // something can carry
         for (std::size_t p = 0; p < isLed.size(); ++p)
             isCarried[p] = !isLed[p];
 }
@@ -64,7 +64,7 @@ void FitParts::Judge(const FitMatches &matches, const std::function<bool(std::si
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
         return isLed[a] != isLed[b] ? isLed[a] > isLed[b] : own[a].size() > own[b].size();
     });
-    std::vector<Eigen::Vector3d> there; // where samples of parts lie that are led, and have a counterpart
+    std::vector<Eigen::Vector3d> there; // matches of samples of led parts that lie on the target
     for (std::size_t part : order) {
         std::vector<Eigen::Vector3d> found;
         for (std::size_t s : own[part])
@@ -113,7 +113,7 @@ void FitParts::Carry(const std::vector<char> &isFree, double smoothness, double 
     const Index k = deformer.graph.Size();
     const auto rest = [&](Index j) { return deformer.graph.graph.position.col(j).cast<double>(); };
     const double spacing = std::sqrt(std::max(deformer.surface.area, 1e-12) / double(std::max<Index>(k, 1)));
-    std::vector<double> gap(isHeld.size(), std::numeric_limits<double>::infinity()); // from each part to what is led
+    std::vector<double> gap(isHeld.size(), std::numeric_limits<double>::infinity()); // from each part to led ones
     std::vector<Index> leader, follower;
     for (Index j = 0; j < k; ++j)
         if (!IsCarried(j))
@@ -127,7 +127,7 @@ void FitParts::Carry(const std::vector<char> &isFree, double smoothness, double 
             double &its = gap[std::size_t(partOf[std::size_t(j)])];
             its = std::min(its, (rest(i) - rest(j)).norm());
         }
-    // Where what is around takes a place of the rest shape, and how it turns it.
+    // Where the surroundings take a point of the rest shape, and their rotation there.
     const auto around = [&](Index part, const Eigen::Vector3d &p, Eigen::Matrix3d &turn) {
         std::vector<double> far;
         far.reserve(leader.size());
@@ -152,7 +152,7 @@ void FitParts::Carry(const std::vector<char> &isFree, double smoothness, double 
     FitSamples marks;
     std::vector<Eigen::Vector3d> place;
     std::vector<char> moves(isFree.size(), 0);
-    RegionPose held; // no sample of a part that nothing holds runs over into what is held
+    RegionPose held; // empty: samples of carried parts are not influenced by held surface
     for (Index j : follower) {
         Eigen::Matrix3d turn;
         const Index center = deformer.patches.center[std::size_t(j)];

@@ -103,7 +103,7 @@ std::vector<float> WeightsAtNodes(const SurfaceView &mesh, const WeightOf &weigh
 }
 
 void ValidateSamples(int samples) {
-    // Each takes up to 2 kB, and what is off by noise falls with the root of their number.
+    // Each takes up to 2 kB, and the error by noise falls with the square root of their number.
     if (samples < 100 || samples > 1000000)
         throw BadInput("At least 100 places have to be matched, and at most 1000000; not " + std::to_string(samples) +
                        ".");
@@ -126,7 +126,7 @@ std::vector<Index> EvenSample(const RegionDeformer &deformer, std::size_t wanted
     double passed = 0;
     for (Index u = 0; u < surface.graph.Size(); ++u)
         if (isFree(u)) {
-            // In the nodes' order, which goes along a curve that fills space, whenever that much area has been passed.
+            // Along the nodes' order, a space-filling curve: a sample each time that its share of the area has passed.
             passed += area > 0 ? double(surface.nodeArea[std::size_t(u)]) / area : 1 / double(count);
             if (passed * double(wanted) >= double(sample.size()) + 0.5 || count <= wanted)
                 sample.push_back(u);

@@ -11,8 +11,8 @@ namespace vcg::fcd {
 
 namespace {
 
-// What the data and smoothness leave open, as how a plane stretches across itself, is as rigid as this makes it, and
-// hardly anything else is.
+// The least rigidity: it decides what data and smoothness leave open, as how a plane stretches across itself, and
+// hardly anything else.
 constexpr double leastRigidity = 1e-5;
 
 } // namespace
@@ -70,7 +70,7 @@ void FitSystem::MakePattern(System<N> &system) const {
     system.factor.Analyse(system.matrix, std::numeric_limits<double>::infinity());
 }
 
-/// x_s moves by weight (w x (R lever) + d).
+/// Adds what samples contribute to a row: x_s moves by weight (w x (R lever) + d).
 void FitSystem::AddSamples(Index row, const std::vector<Pull> &pull, const std::vector<Index> &place,
                            std::vector<MatrixOf<6>> &block, VectorOf<6> &gradient) const {
     for (const Use &use : uses[std::size_t(row)]) {
@@ -104,7 +104,7 @@ void FitSystem::AddSamples(Index row, const std::vector<Pull> &pull, const std::
     }
 }
 
-/// Eq. 2: of each edge, from both ends, |c_i + R_i e - c_j|^2, and alpha A |R_i - R_j|^2.
+/// Adds Eq. 2 to a row: of each edge, from both ends, |p'_i + R_i e - p'_j|^2, and alpha A |R_i - R_j|^2.
 void FitSystem::AddEdges(Index row, const GraphPose &pose, const std::vector<double> &stiffness,
                          const std::vector<Index> &place, std::vector<MatrixOf<6>> &block,
                          VectorOf<6> &gradient) const {
@@ -147,7 +147,8 @@ void FitSystem::AddEdges(Index row, const GraphPose &pose, const std::vector<dou
     }
 }
 
-/// x_s moves by weight (dA lever + d): of l = (lever, 1), each form stands in l l^T.
+/// The same for affine maps: x_s moves by weight (dA lever + d), so with l = (lever, 1) each entry of l l^T multiplies
+/// the form.
 void FitSystem::AddSamples(Index row, const std::vector<Pull> &pull, const std::vector<Index> &place,
                            std::vector<MatrixOf<12>> &block, VectorOf<12> &gradient) const {
     for (const Use &use : uses[std::size_t(row)]) {
@@ -194,7 +195,7 @@ void FitSystem::AddEdges(Index row, const GraphPose &pose, const std::vector<dou
             gradient.segment<3>(3 * d) += mu * e[d] * here + bend * (ai.col(d) - aj.col(d));
         gradient.tail<3>() += mu * (here - there);
         rigid += mu * e.squaredNorm();
-        // What of the forms is between the columns of maps and shifts: each times the identity.
+        // Coefficients between the columns of maps and shifts; each multiplies the identity.
         Eigen::Matrix4d mine = Eigen::Matrix4d::Zero(), other = Eigen::Matrix4d::Zero();
         mine.topLeftCorner<3, 3>() = mu * e * e.transpose() + bend * Eigen::Matrix3d::Identity();
         mine.topRightCorner<3, 1>() = mu * e;
@@ -213,7 +214,7 @@ void FitSystem::AddEdges(Index row, const GraphPose &pose, const std::vector<dou
                         other(d, f);
             }
     }
-    // |A - R(A)|^2 does not change where A turns.
+    // |A - R(A)|^2 does not change if A turns.
     const Eigen::Matrix3d turn = detail::RotationOf(ai), off = ai - turn;
     Eigen::Matrix<double, 9, 9> across = Eigen::Matrix<double, 9, 9>::Identity();
     for (int d = 0; d < 3; ++d) {
@@ -225,12 +226,12 @@ void FitSystem::AddEdges(Index row, const GraphPose &pose, const std::vector<dou
     gradient.head<9>() += rigidity * rigid * Eigen::Map<const VectorOf<9>>(off.data());
 }
 
-/// From one step to the next the system changes little: a factor of an earlier one is the preconditioner of conjugate
-/// gradients, until they take longer than a factorisation.
+/// Solves the system by conjugate gradients, with the factor of an earlier step as preconditioner, since the system
+/// changes little from step to step. Factorises again if that would take longer.
 template <int N>
 Eigen::VectorXd FitSystem::Solve(System<N> &system, const Eigen::VectorXd &right) {
     const int most = 12;        // about the time of a factorisation
-    const double enough = 1e-6; // square of the residual over that of the right side: a Gauss-Newton step is no better
+    const double enough = 1e-6; // squared residual over squared right side: a Gauss-Newton step is no more exact
     if (isFactored) {
         Eigen::VectorXd x = system.factor.Solve(right), r = right - system.matrix * x, z = system.factor.Solve(r),
                         p = z;
@@ -302,7 +303,7 @@ void FitSystem::Assemble(const GraphPose &pose, const std::vector<Pull> &pull, c
             VectorOf<N> its = VectorOf<N>::Zero();
             AddSamples(Index(a), pull, place, block, its);
             AddEdges(Index(a), pose, stiffness, place, block, its);
-            // Nodes that no edge and no sample draws stay.
+            // Nodes without edges and samples stay.
             block[0].diagonal().array() += 1e-12;
             gradient.segment<N>(Eigen::Index(N * a)) = its;
             system.matrix.diagonal[a] = block[0];
