@@ -26,7 +26,7 @@ bool IsInParts(const SurfaceView &source, const Deformer &deformer, const Progre
         const double each = a.cross(b).norm();
         all += each;
         if (const Index node = deformer.nodeOf[source.corner[3 * f]]; node >= 0) // -1: a loose part
-            area[std::size_t(componentOf[std::size_t(node)])] += each;
+            area[std::size_t(componentOf[node])] += each;
     }
     return !area.empty() && 3 * *std::max_element(area.begin(), area.end()) < all;
 }

@@ -59,7 +59,7 @@ std::vector<AlongLine> Fitter::Along(const std::vector<std::vector<Eigen::Vector
                 along.corner = corner;
             }
             const Index node = deformer->nodeOf[nearest];
-            if (node < 0 || region.held.tag[std::size_t(node)] != 1)
+            if (node < 0 || region.held.tag[node] != 1)
                 return;
             const auto [found, isNew] = nearestTo.try_emplace(nearest, far, place);
             if (!isNew && far < found->second.first)

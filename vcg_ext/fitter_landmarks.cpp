@@ -85,7 +85,7 @@ std::vector<Eigen::Vector3d> Fitter::Lead(const std::vector<Landmark> &landmark,
                            " is at no vertex, or its target is not finite.");
         const Index node = deformer->nodeOf[each.vertex];
         place.push_back(region.surface.frame.ToFrame(handles.world.inverse() * each.target));
-        if (node < 0 || region.held.tag[std::size_t(node)] != 1)
+        if (node < 0 || region.held.tag[node] != 1)
             throw BadInput("Landmark " + std::to_string(place.size()) + " is at a vertex that is not free.");
         if (!taken.insert(node).second)
             throw BadInput("Landmark " + std::to_string(place.size()) +

@@ -167,8 +167,8 @@ std::vector<std::string> FitReport::TargetRemarks() const {
 
 bool Fitter::CountsAt(std::size_t slot, const FitReport &report) const {
     const Index u = deformer->nodeOf[slot];
-    const auto patch = [&] { return deformer->Whole().patches.patchOf[std::size_t(u)]; };
-    return u < 0 || ((nodeWeight.empty() || nodeWeight[std::size_t(u)] > 0) &&
+    const auto patch = [&] { return deformer->Whole().patches.patchOf[u]; };
+    return u < 0 || ((nodeWeight.empty() || nodeWeight[u] > 0) &&
                      (report.carriedNode.empty() || patch() < 0 || !report.carriedNode[std::size_t(patch())]));
 }
 

@@ -66,7 +66,7 @@ Fitter::Run::Run(const Fitter &fitter, const FitTarget &target, const std::vecto
 std::vector<char> Fitter::Run::FreeNodes() const {
     std::vector<char> free(std::size_t(region.graph.Size()));
     for (Index j = 0; j < region.graph.Size(); ++j)
-        free[std::size_t(j)] = region.held.tag[std::size_t(region.patches.center[std::size_t(j)])] == 1;
+        free[j] = region.held.tag[std::size_t(region.patches.center[j])] == 1;
     return free;
 }
 

@@ -50,11 +50,11 @@ bool Fitter::Run::MoreStay(const std::vector<Eigen::Vector3d> &before, double no
     const std::vector<double> moved = MovedFrom(before);
     bool isAnyNew = false;
     const auto stay = [&](Index node) {
-        isAnyNew = isAnyNew || !stays[std::size_t(node)];
-        stays[std::size_t(node)] = 1;
+        isAnyNew = isAnyNew || !stays[node];
+        stays[node] = 1;
     };
     for (Index j = 0; j < region.graph.Size(); ++j)
-        if (moved[std::size_t(j)] > noise) {
+        if (moved[j] > noise) {
             stay(j);
             for (Index beside : region.graph.graph.adjacency[j])
                 stay(beside);

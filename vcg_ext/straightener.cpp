@@ -33,19 +33,19 @@ void ConstrainComponents(const Csr &adjacency, const FramedLine &line, const Eig
                          const std::vector<double> &place, std::vector<bool> &constrained) {
     std::vector<char> seen(constrained.size(), 0);
     for (Index first = 0; first < adjacency.Size(); ++first) {
-        if (seen[std::size_t(first)])
+        if (seen[first])
             continue;
         std::vector<Index> component(1, first);
-        seen[std::size_t(first)] = 1;
+        seen[first] = 1;
         std::pair<double, Index> nearest(std::numeric_limits<double>::infinity(), first);
         bool hasConstraint = false;
         for (std::size_t n = 0; n < component.size(); ++n) {
             const Index j = component[n];
-            hasConstraint = hasConstraint || constrained[std::size_t(j)];
-            nearest = std::min(nearest, {(line.At(place[std::size_t(j)]).point - position.col(j)).norm(), j});
+            hasConstraint = hasConstraint || constrained[j];
+            nearest = std::min(nearest, {(line.At(place[j]).point - position.col(j)).norm(), j});
             for (Index i : adjacency[j])
-                if (!seen[std::size_t(i)]) {
-                    seen[std::size_t(i)] = 1;
+                if (!seen[i]) {
+                    seen[i] = 1;
                     component.push_back(i);
                 }
         }
@@ -83,9 +83,9 @@ void MeasureDifference(const RegionDeformer &deformer, const ToWorld &toWorld, c
     for (const detail::LineSample &each :
          detail::SamplesAlong(motion.From(), deformer, toWorld, place, 4000, progress)) {
         const Index patch = deformer.patches.patchOf[std::size_t(each.node)];
-        bool isOfLine = constrained[std::size_t(patch)]; // and so are all nodes around it
+        bool isOfLine = constrained[patch]; // and so are all nodes around it
         for (Index i : deformer.graph.graph.adjacency[patch])
-            isOfLine = isOfLine && constrained[std::size_t(i)];
+            isOfLine = isOfLine && constrained[i];
         if (!isOfLine)
             continue;
         const Eigen::Vector3d at = toWorld(mapped(each.node, toWorld.Back(each.at)));
@@ -186,7 +186,7 @@ Deformer::Pose Straighten(const Deformer &prepared, const Eigen::Affine3d &world
     given.heldArea.assign(std::size_t(k), 0);
     double farthest = 0; // largest move of a node, frame units, or change of its linear map
     for (Index j = 0; j < k; ++j) {
-        const LineMotion::Moved &its = moved.emplace_back(motion.At(place[std::size_t(j)], rest.col(j)));
+        const LineMotion::Moved &its = moved.emplace_back(motion.At(place[j], rest.col(j)));
         const Eigen::Vector3d before = toWorld.Back(rest.col(j)), after = toWorld.Back(its.position);
         farthest = std::max({farthest, (after - before).norm(), (its.linear - Eigen::Matrix3d::Identity()).norm()});
         Eigen::Affine3d rigid;
@@ -202,13 +202,13 @@ Deformer::Pose Straighten(const Deformer &prepared, const Eigen::Affine3d &world
     for (Index j = 0; j < k; ++j)
         for (Index i : graph.graph.adjacency[j]) {
             const Eigen::Vector3d way = rest.col(j) - rest.col(i);
-            const LineMotion::Moved &a = moved[std::size_t(i)], &b = moved[std::size_t(j)];
+            const LineMotion::Moved &a = moved[i], &b = moved[j];
             const Eigen::Vector3d expected = 0.5 * (a.linear + b.linear) * way;
-            tears[std::size_t(j)] |= (b.position - a.position - expected).norm() > 0.5 * ratio * way.norm();
+            tears[j] |= (b.position - a.position - expected).norm() > 0.5 * ratio * way.norm();
         }
     for (Index j = 0; j < k; ++j)
-        if (tears[std::size_t(j)])
-            given.constrained[std::size_t(j)] = false;
+        if (tears[j])
+            given.constrained[j] = false;
     ConstrainComponents(graph.graph.adjacency, line, rest, place, given.constrained);
 
     Deformer::Pose all = prepared.Solve(AllFree(0, world), param, progress.Slice(0, 0.1));
@@ -223,8 +223,8 @@ Deformer::Pose Straighten(const Deformer &prepared, const Eigen::Affine3d &world
     } else {
         solved = pose.solved;
         for (Index j = 0; j < k; ++j) {
-            solved.position.col(j) = toWorld.Back(moved[std::size_t(j)].position);
-            solved.linear[std::size_t(j)] = moved[std::size_t(j)].turn;
+            solved.position.col(j) = toWorld.Back(moved[j].position);
+            solved.linear[j] = moved[j].turn;
         }
     }
     // A move by no more than rounding is none.
@@ -235,8 +235,8 @@ Deformer::Pose Straighten(const Deformer &prepared, const Eigen::Affine3d &world
     pose.graph = solved;
     FitLinear(graph, given.constrained, pose.graph, param.shape.openness);
     for (Index j = 0; j < k; ++j)
-        if (given.constrained[std::size_t(j)])
-            pose.graph.linear[std::size_t(j)] = moved[std::size_t(j)].linear;
+        if (given.constrained[j])
+            pose.graph.linear[j] = moved[j].linear;
     pose.nodeMotion = given.motion;
 
     ListReleased(place, given.constrained, graph, toWorld.scale, report);
@@ -259,7 +259,7 @@ std::vector<float> PlacesOfVertices(const SurfaceView &mesh, const Deformer &pre
                 continue;
             const Eigen::Vector3d p = world * Eigen::Vector3d(mesh.At(i));
             const Index node = prepared.nodeOf[i];
-            const bool isLoose = node < 0 || deformer.patches.patchOf[std::size_t(node)] < 0;
+            const bool isLoose = node < 0 || deformer.patches.patchOf[node] < 0;
             places[i] = float(isLoose ? line.Nearest(p, 0, line.Length())
                                       : detail::PlaceNear(line, deformer, toWorld, place, node, p));
         }

@@ -134,7 +134,7 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
     warped.normal = NormalsAtNodes(source, normal, fitter.Surface(), sample);
     for (Index node : sample) {
         warped.place.emplace_back(region.surface.graph.position.col(node).cast<double>());
-        warped.weight.push_back(nodeWeight.empty() ? 1 : double(nodeWeight[std::size_t(node)]));
+        warped.weight.push_back(nodeWeight.empty() ? 1 : double(nodeWeight[node]));
     }
     const auto itself = fitter.Prepare({source, normal, world, {}, weight, {}, "surface"}, progress.Slice(0, 0.1));
 
@@ -212,7 +212,7 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
         const Eigen::Vector3d from = warp.Back(at, at);
         const Eigen::Matrix3d linear = warp.LinearAt(from).inverse();
         whole.position.col(j) = plane(from);
-        whole.linear[std::size_t(j)] = plane.Linear() * linear * plane.Linear() * whole.linear[std::size_t(j)];
+        whole.linear[j] = plane.Linear() * linear * plane.Linear() * whole.linear[j];
     }
     GraphPose half = HalfPose(region.graph, whole);
     FitSamples samples;

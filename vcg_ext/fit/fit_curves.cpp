@@ -95,7 +95,7 @@ FitCurves::FitCurves(const std::vector<Curve> &curves, const std::vector<Index> 
         for (std::size_t v = 0; v < curves[c].vertex.size(); ++v) {
             const std::size_t vertex = curves[c].vertex[v];
             const Index node = vertex < nodeOf.size() ? nodeOf[vertex] : -1;
-            if (node < 0 || deformer.held.tag[std::size_t(node)] != 1)
+            if (node < 0 || deformer.held.tag[node] != 1)
                 throw BadInput(name + " has vertex " + std::to_string(vertex) + ", which is none or is not free.");
             if (!taken.insert(node).second)
                 continue;

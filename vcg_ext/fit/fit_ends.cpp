@@ -67,8 +67,7 @@ std::vector<double> FarFrom(Index place, const Graph &graph) {
 Index Largest(const std::vector<double> &values) {
     Index largest = 0;
     for (std::size_t i = 0; i < values.size(); ++i)
-        if (!std::isinf(values[i]) &&
-            (std::isinf(values[std::size_t(largest)]) || values[i] > values[std::size_t(largest)]))
+        if (!std::isinf(values[i]) && (std::isinf(values[largest]) || values[i] > values[largest]))
             largest = Index(i);
     return largest;
 }
@@ -150,9 +149,8 @@ std::vector<LimbEnd> EndsOfLimbs(const std::vector<Eigen::Vector3d> &place,
         if (std::isinf(mean[i]) || mean[i] * double(count) < standsOut * all)
             continue;
         const std::vector<Index> beside = NodesWithin(graph, {Index(i)}, around);
-        if (std::all_of(beside.begin(), beside.end(), [&](Index j) {
-                return std::make_pair(mean[std::size_t(j)], j) <= std::make_pair(mean[i], Index(i));
-            }))
+        if (std::all_of(beside.begin(), beside.end(),
+                        [&](Index j) { return std::make_pair(mean[j], j) <= std::make_pair(mean[i], Index(i)); }))
             ends.push_back({i, place[i], mean[i]});
     }
     return ends;

@@ -21,7 +21,7 @@ std::vector<double> Beside(const Csr &adjacency, const std::vector<double> &valu
     std::vector<double> result = value;
     for (std::size_t j = 0; j < value.size(); ++j)
         for (Index i : adjacency[Index(j)])
-            result[j] = less ? std::min(result[j], value[std::size_t(i)]) : std::max(result[j], value[std::size_t(i)]);
+            result[j] = less ? std::min(result[j], value[i]) : std::max(result[j], value[i]);
     return result;
 }
 

@@ -40,8 +40,7 @@ class Structure {
                     continue;
                 const Eigen::Vector3d way = rest(j) - rest(i);
                 const std::size_t bin = std::min(bins - 1, std::size_t(double(bins) * way.norm() / farthest));
-                sum[bin] +=
-                    (pose.linear[std::size_t(i)] * way + pose.position.col(i) - pose.position.col(j)).squaredNorm();
+                sum[bin] += (pose.linear[i] * way + pose.position.col(i) - pose.position.col(j)).squaredNorm();
                 ++count[bin];
             }
         for (std::size_t bin = 0; bin < bins; ++bin)
@@ -108,12 +107,12 @@ FitGuess Guess(const RegionDeformer &deformer, const FitSamples &samples,
     while (!next.empty()) {
         const auto [far, i] = next.top();
         next.pop();
-        if (far > distance[std::size_t(i)])
+        if (far > distance[i])
             continue;
         for (Index j : graph.adjacency[i]) {
             const double there = far + (rest(i) - rest(j)).norm();
-            if (there < distance[std::size_t(j)]) {
-                distance[std::size_t(j)] = there;
+            if (there < distance[j]) {
+                distance[j] = there;
                 next.emplace(there, j);
             }
         }

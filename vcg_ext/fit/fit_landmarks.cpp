@@ -76,8 +76,8 @@ double MoveOnto(const FitSamples &samples, std::size_t first, const std::vector<
         return 0;
     std::vector<Index> column(isFree.size(), -1), node; // of the free nodes that the samples follow
     for (std::uint32_t t = samples.begin[first]; t < samples.begin[first + place.size()]; ++t)
-        if (const Index j = samples.term[t].node; isFree[std::size_t(j)] && column[std::size_t(j)] < 0) {
-            column[std::size_t(j)] = Index(node.size());
+        if (const Index j = samples.term[t].node; isFree[j] && column[j] < 0) {
+            column[j] = Index(node.size());
             node.push_back(j);
         }
     if (node.empty())

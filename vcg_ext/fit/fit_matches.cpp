@@ -80,7 +80,7 @@ std::vector<Eigen::Vector3d> FitMatches::WhereTheyAre() const {
     std::vector<Eigen::Vector3d> places;
     places.reserve(some.size());
     for (Index s : some)
-        places.push_back(at[std::size_t(s)]);
+        places.push_back(at[s]);
     return places;
 }
 
@@ -208,7 +208,7 @@ double FitMatches::Alike() {
     const auto off = [&](Index s) { return std::clamp(Across(std::size_t(s)), -most, most); };
     double squares = 0, products = 0;
     for (const auto &[a, b] : beside)
-        if (counts[std::size_t(a)] && counts[std::size_t(b)]) {
+        if (counts[a] && counts[b]) {
             squares += detail::Squared(off(a)) + detail::Squared(off(b));
             products += 2 * off(a) * off(b);
         }

@@ -26,8 +26,8 @@ FitParts::FitParts(const RegionDeformer &deformer, const FitSamples &samples, st
     const Index parts = ConnectedComponents(deformer.graph.graph.adjacency, partOf);
     isHeld.assign(std::size_t(parts), 0);
     for (Index j = 0; j < deformer.graph.Size(); ++j)
-        if (deformer.held.tag[std::size_t(deformer.patches.center[std::size_t(j)])] != 1)
-            isHeld[std::size_t(partOf[std::size_t(j)])] = 1;
+        if (deformer.held.tag[std::size_t(deformer.patches.center[j])] != 1)
+            isHeld[std::size_t(partOf[j])] = 1;
     for (std::size_t s = 0; s < samples.Size(); ++s)
         sampleOf.push_back(samples.begin[s] < samples.begin[s + 1]
                                ? partOf[std::size_t(samples.term[samples.begin[s]].node)]
@@ -35,7 +35,7 @@ FitParts::FitParts(const RegionDeformer &deformer, const FitSamples &samples, st
     std::vector<char> isLed = isHeld;
     for (Index part : sampleOf)
         if (part >= 0)
-            isLed[std::size_t(part)] = 1;
+            isLed[part] = 1;
     Decide(isLed);
 }
 
@@ -118,13 +118,13 @@ void FitParts::Carry(const std::vector<char> &isFree, double smoothness, double 
     for (Index j = 0; j < k; ++j)
         if (!IsCarried(j))
             leader.push_back(j);
-        else if (isFree[std::size_t(j)])
+        else if (isFree[j])
             follower.push_back(j);
     if (leader.empty() || follower.empty())
         return;
     for (Index j : follower)
         for (Index i : leader) {
-            double &its = gap[std::size_t(partOf[std::size_t(j)])];
+            double &its = gap[std::size_t(partOf[j])];
             its = std::min(its, (rest(i) - rest(j)).norm());
         }
     // Where the surroundings take a point of the rest shape, and their rotation there.
@@ -133,7 +133,7 @@ void FitParts::Carry(const std::vector<char> &isFree, double smoothness, double 
         far.reserve(leader.size());
         for (Index i : leader)
             far.push_back((p - rest(i)).norm());
-        const double reach = *std::min_element(far.begin(), far.end()) + gap[std::size_t(part)] + spacing;
+        const double reach = *std::min_element(far.begin(), far.end()) + gap[part] + spacing;
         Eigen::Vector3d to = Eigen::Vector3d::Zero();
         double sum = 0;
         turn.setZero();
@@ -142,8 +142,8 @@ void FitParts::Carry(const std::vector<char> &isFree, double smoothness, double 
                 continue;
             const Index i = leader[n];
             const double part = 1 - detail::Squared(far[n] / reach), weight = part * part * part;
-            to += weight * (pose.linear[std::size_t(i)] * (p - rest(i)) + pose.position.col(i));
-            turn += weight * pose.linear[std::size_t(i)];
+            to += weight * (pose.linear[i] * (p - rest(i)) + pose.position.col(i));
+            turn += weight * pose.linear[i];
             sum += weight;
         }
         turn = rigidity < 1 ? Eigen::Matrix3d(turn / sum) : detail::RotationOf(turn / sum);
@@ -155,13 +155,13 @@ void FitParts::Carry(const std::vector<char> &isFree, double smoothness, double 
     RegionPose held; // empty: samples of carried parts are not influenced by held surface
     for (Index j : follower) {
         Eigen::Matrix3d turn;
-        const Index center = deformer.patches.center[std::size_t(j)];
+        const Index center = deformer.patches.center[j];
         marks.Add(deformer, held, center);
-        const Index part = partOf[std::size_t(j)];
+        const Index part = partOf[j];
         place.push_back(around(part, deformer.surface.graph.position.col(center).cast<double>(), turn));
         pose.position.col(j) = around(part, rest(j), turn);
-        pose.linear[std::size_t(j)] = turn;
-        moves[std::size_t(j)] = 1;
+        pose.linear[j] = turn;
+        moves[j] = 1;
     }
     FitSystem system(deformer, moves, marks, smoothness, rigidity);
     std::vector<FitSystem::Pull> pull(marks.Size());

@@ -26,7 +26,7 @@ class FitParts {
 
     /// The number of carried parts.
     std::size_t Carried() const;
-    bool IsCarried(Index node) const { return isCarried[std::size_t(partOf[std::size_t(node)])] != 0; }
+    bool IsCarried(Index node) const { return isCarried[std::size_t(partOf[node])] != 0; }
     std::vector<char> CarriedNodes() const; ///< flags of the graph's nodes; empty: none
     /// Flags of the matched samples in carried parts.
     std::vector<char> CarriedSamples() const;

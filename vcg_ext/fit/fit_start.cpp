@@ -29,8 +29,8 @@ Eigen::Affine3d StartFromLandmarks(const std::vector<Eigen::Vector3d> &from, con
                                    bool similar) {
     Eigen::Matrix3Xd a(3, Eigen::Index(from.size())), b(3, a.cols());
     for (Eigen::Index i = 0; i < a.cols(); ++i) {
-        a.col(i) = from[std::size_t(i)];
-        b.col(i) = to[std::size_t(i)];
+        a.col(i) = from[i];
+        b.col(i) = to[i];
     }
     if (std::min(AcrossALine(from), AcrossALine(to)) > 1e-6) // more than rounding
         return Eigen::Affine3d(Eigen::umeyama(a, b, similar));
@@ -168,11 +168,11 @@ double StrainOf(const RegionDeformer &deformer, const GraphPose &pose) {
     const DeformationGraph &graph = deformer.graph;
     double off = 0, all = 0;
     for (Index i = 0; i < graph.Size(); ++i)
-        for (std::uint32_t item = graph.graph.adjacency.begin[std::size_t(i)];
+        for (std::uint32_t item = graph.graph.adjacency.begin[i];
              item < graph.graph.adjacency.begin[std::size_t(i) + 1]; ++item) {
             const Index j = graph.graph.adjacency.item[item];
             const Eigen::Vector3d edge = (graph.graph.position.col(j) - graph.graph.position.col(i)).cast<double>(),
-                                  turned = pose.linear[std::size_t(i)] * edge;
+                                  turned = pose.linear[i] * edge;
             off += double(graph.weight[item]) * (pose.position.col(i) + turned - pose.position.col(j)).squaredNorm();
             all += double(graph.weight[item]) * turned.squaredNorm();
         }

@@ -284,12 +284,12 @@ FitTarget::Match FitTarget::Nearest(const Eigen::Vector3d &p, NearestPlace::Hint
     match.point.setZero();
     bool isBorder = !isCloud;
     for (int k = 0; k < at.count; ++k) {
-        match.point += at.weight[std::size_t(k)] * position.col(at.slot[std::size_t(k)]);
+        match.point += at.weight[k] * position.col(at.slot[k]);
         if (!weight.empty())
-            match.weight -= at.weight[std::size_t(k)] * (1 - double(weight[std::size_t(at.slot[std::size_t(k)])]));
+            match.weight -= at.weight[k] * (1 - double(weight[std::size_t(at.slot[k])]));
         if (normal.cols() > 0)
-            match.normal += at.weight[std::size_t(k)] * normal.col(at.slot[std::size_t(k)]).cast<double>();
-        isBorder = isBorder && IsBorder(at.slot[std::size_t(k)]);
+            match.normal += at.weight[k] * normal.col(at.slot[k]).cast<double>();
+        isBorder = isBorder && IsBorder(at.slot[k]);
     }
     match.weight = match.weight < 1e-6 ? 0 : match.weight; // rounding
     match.onBorder = isBorder && at.count < 3;
@@ -298,9 +298,9 @@ FitTarget::Match FitTarget::Nearest(const Eigen::Vector3d &p, NearestPlace::Hint
         Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
         Eigen::Vector3d middle = Eigen::Vector3d::Zero();
         for (int k = 0; k < at.count; ++k)
-            middle += position.col(at.slot[std::size_t(k)]) / at.count;
+            middle += position.col(at.slot[k]) / at.count;
         for (int k = 0; k < at.count; ++k) {
-            const Eigen::Vector3d way = position.col(at.slot[std::size_t(k)]) - middle;
+            const Eigen::Vector3d way = position.col(at.slot[k]) - middle;
             spread += way * way.transpose();
         }
         match.normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(0);

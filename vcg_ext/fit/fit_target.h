@@ -88,7 +88,7 @@ class FitTarget {
     void ReadPoints(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normal,
                     const Eigen::Affine3d &toFrame, const WeightOf &weightOf);
 
-    bool IsBorder(Index i) const { return flags[std::size_t(i)] == border; }
+    bool IsBorder(Index i) const { return flags[i] == border; }
 
     // These arrays are most of a fit's memory, so normals are floats.
     enum Flag : char { inside = 1, border = 2 };

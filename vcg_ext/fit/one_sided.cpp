@@ -25,11 +25,11 @@ class Fans {
         std::vector<std::uint32_t> end(begin.begin(), begin.end() - 1);
         for (std::size_t t = 0; t < triangle.size(); ++t)
             for (Index c : triangle[t])
-                item[end[std::size_t(c)]++] = std::uint32_t(t);
+                item[end[c]++] = std::uint32_t(t);
     }
 
-    std::uint32_t Size(Index node) const { return begin[std::size_t(node) + 1] - begin[std::size_t(node)]; }
-    const std::uint32_t *First(Index node) const { return item.data() + begin[std::size_t(node)]; }
+    std::uint32_t Size(Index node) const { return begin[std::size_t(node) + 1] - begin[node]; }
+    const std::uint32_t *First(Index node) const { return item.data() + begin[node]; }
     const std::uint32_t *Last(Index node) const { return First(node) + Size(node); }
 
     /// Whether an earlier triangle has the same corners.
@@ -97,7 +97,7 @@ void MakeOneSided(const Eigen::Matrix3Xd &position, std::vector<Corners> &triang
     const Progress turning = progress.Slice(0.6, 1);
     const Fans fans(nodes, triangle);
     std::size_t seen = 0;
-    const auto at = [&](std::uint32_t t, int k) { return position.col(triangle[t][std::size_t(k)]); };
+    const auto at = [&](std::uint32_t t, int k) { return position.col(triangle[t][k]); };
     const auto across = [&](std::uint32_t t) -> Eigen::Vector3d {
         return (at(t, 1) - at(t, 0)).cross(at(t, 2) - at(t, 0));
     };

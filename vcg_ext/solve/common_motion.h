@@ -22,9 +22,9 @@ inline Eigen::Affine3d CommonMotion(const DeformationGraph &graph, const GraphUn
     double count = 0;
     const auto forConstrained = [&](const auto &body) {
         for (Index i = 0; i < graph.Size(); ++i)
-            if (unknown.constrained[std::size_t(i)]) {
+            if (unknown.constrained[i]) {
                 const Eigen::Vector3d x = graph.graph.position.col(i).cast<double>();
-                body(x, Eigen::Vector3d(motion[std::size_t(i)] * x));
+                body(x, Eigen::Vector3d(motion[i] * x));
             }
     };
     forConstrained([&](const Eigen::Vector3d &x, const Eigen::Vector3d &y) {

@@ -94,7 +94,7 @@ double DiscretisationError(const DeformationGraph &graph, const std::vector<doub
         begin.position.col(g) = pose.position.col(i) + pose.linear[i] * way.cast<double>();
         begin.linear.push_back(pose.linear[i]);
         if (!pose.rests.empty())
-            begin.rests[std::size_t(g)] = pose.rests[std::size_t(i)];
+            begin.rests[g] = pose.rests[i];
     }
     std::vector<double> areas(std::size_t(k), 0);
     std::vector<Index> count(std::size_t(k), 0);
@@ -114,7 +114,7 @@ double DiscretisationError(const DeformationGraph &graph, const std::vector<doub
     for (Index i = 0; i < graph.Size(); ++i) {
         const Index g = coarse.groupOf[i];
         const Csr::Row row = coarse.graph.graph.adjacency[g];
-        const bool isAlone = count[std::size_t(g)] == 1 && // its part was not merged
+        const bool isAlone = count[g] == 1 && // its part was not merged
                              std::all_of(row.begin(), row.end(), [&](Index j) { return ofGroups.constrained[j]; });
         if (given.constrained[i] || isAlone)
             continue;

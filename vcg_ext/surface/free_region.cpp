@@ -272,7 +272,7 @@ class RegionFinder {
                                 continue;
                             neighbourhood.Look(at);
                             for (Index other : neighbourhood.around)
-                                reachPlace(there[std::size_t(other)]);
+                                reachPlace(there[other]);
                         }
                     });
     }

@@ -57,7 +57,7 @@ SurfacePlace NearestPlace::Find(const Eigen::Vector3d &p, Hint &hint, const Eige
     const double rounding = 1e-9; // smaller weights are 0: at a vertex, it is the only one
     for (int k = 0; k < 3 && nearest.triangle >= 0; ++k)
         if (nearest.weight[k] > rounding) {
-            place.slot[place.count] = (*triangles)[nearest.triangle][std::size_t(k)];
+            place.slot[place.count] = (*triangles)[nearest.triangle][k];
             place.weight[place.count++] = nearest.weight[k];
         }
     return place;

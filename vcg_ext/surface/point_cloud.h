@@ -96,7 +96,7 @@ inline Csr ConnectPoints(const Eigen::Matrix3Xf &position, const CloudPairs &pai
     const std::size_t grain = 1 << 14, chunks = (std::size_t(n) + grain - 1) / grain;
     // Neighbours in one direction only: v, and the point u that has v as its neighbour.
     std::vector<std::vector<std::pair<Index, Index>>> oneWay(chunks);
-    const std::unique_ptr<std::atomic<std::uint32_t>[]> more(new std::atomic<std::uint32_t>[std::size_t(n)]);
+    const std::unique_ptr<std::atomic<std::uint32_t>[]> more(new std::atomic<std::uint32_t>[n]);
     ParallelFor(progress.threads, std::size_t(n), grain, [&](std::size_t first, std::size_t last) {
         for (std::size_t u = first; u < last; ++u)
             more[u].store(0, std::memory_order_relaxed);

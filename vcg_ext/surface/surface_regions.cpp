@@ -9,12 +9,12 @@ namespace vcg::fcd {
 
 void SurfaceRegions::Of(const Graph &graph, Index node, std::vector<Index> &regions) const {
     regions.clear();
-    if (regionOf[std::size_t(node)] >= 0) {
-        regions.push_back(regionOf[std::size_t(node)]);
+    if (regionOf[node] >= 0) {
+        regions.push_back(regionOf[node]);
         return;
     }
     for (Index v : graph.adjacency[node])
-        if (const Index region = regionOf[std::size_t(v)]; region >= 0 && (regions.empty() || regions.back() != region))
+        if (const Index region = regionOf[v]; region >= 0 && (regions.empty() || regions.back() != region))
             regions.push_back(region);
     std::sort(regions.begin(), regions.end());
     regions.erase(std::unique(regions.begin(), regions.end()), regions.end());
@@ -23,7 +23,7 @@ void SurfaceRegions::Of(const Graph &graph, Index node, std::vector<Index> &regi
 FreeComponents FindComponents(const SurfaceGraph &surface, const std::vector<Index> &tag, const Progress &progress) {
     FreeComponents found;
     const Csr &adjacency = surface.graph.adjacency;
-    const auto isFree = [&](Index u) { return tag[std::size_t(u)] == 1; };
+    const auto isFree = [&](Index u) { return tag[u] == 1; };
     found.count = ConnectedComponents(
         adjacency, isFree, [](Index, Index) { return true; }, found.componentOf, progress, readingStage);
     found.isHeld.assign(std::size_t(found.count), 0);
@@ -36,9 +36,9 @@ FreeComponents FindComponents(const SurfaceGraph &surface, const std::vector<Ind
     found.connected = found.count + Index(held.size());
     for (std::size_t i = 0; i < held.size(); ++i)
         for (Index v : adjacency[held[i]]) {
-            Index other = found.componentOf[std::size_t(v)];
+            Index other = found.componentOf[v];
             if (other >= 0)
-                found.isHeld[std::size_t(other)] = 1;
+                found.isHeld[other] = 1;
             else
                 other = found.count + Index(std::lower_bound(held.begin(), held.end(), v) - held.begin());
             found.connected -= joined.Join(found.count + Index(i), other);
@@ -55,22 +55,21 @@ SurfaceRegions FindRegions(const SurfaceGraph &surface, FreeComponents component
     regions.regionOf = std::move(components.componentOf);
     if (regions.count < components.count)
         for (Index &region : regions.regionOf)
-            region = region < 0 ? -1 : number[std::size_t(region)];
+            region = region < 0 ? -1 : number[region];
     if (regions.count <= SurfaceRegions::most)
         return regions;
     std::vector<double> area(std::size_t(regions.count), 0);
     for (Index u = 0; u < surface.graph.Size(); ++u)
-        if (const Index region = regions.regionOf[std::size_t(u)]; region >= 0)
-            area[std::size_t(region)] += double(surface.nodeArea[std::size_t(u)]);
+        if (const Index region = regions.regionOf[u]; region >= 0)
+            area[region] += double(surface.nodeArea[u]);
     std::vector<Index> order(area.size()), place(area.size());
     std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](Index a, Index b) { return area[std::size_t(a)] > area[std::size_t(b)]; });
+    std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return area[a] > area[b]; });
     const Index last = SurfaceRegions::most - 1;
     for (Index i = 0; i < regions.count; ++i)
-        place[std::size_t(order[std::size_t(i)])] = std::min(i, last);
+        place[std::size_t(order[i])] = std::min(i, last);
     for (Index &region : regions.regionOf)
-        region = region < 0 ? -1 : place[std::size_t(region)];
+        region = region < 0 ? -1 : place[region];
     regions.together = regions.count - last;
     regions.count = SurfaceRegions::most;
     return regions;
@@ -97,7 +96,7 @@ class RegionTaker {
             if (const Index u = NodeOf(i); u >= 0) {
                 regions.Of(surface.graph, u, of);
                 for (Index region : of)
-                    parts[std::size_t(region)].point.push_back(i);
+                    parts[region].point.push_back(i);
             }
     }
 
@@ -118,13 +117,13 @@ class RegionTaker {
     Index NodeOf(std::size_t slot) const { return surface.nodeOf[slot]; }
     bool IsFreeIn(std::size_t r, std::size_t slot) const {
         const Index u = NodeOf(slot);
-        return u >= 0 && regions.regionOf[std::size_t(u)] == Index(r);
+        return u >= 0 && regions.regionOf[u] == Index(r);
     }
     /// The region of an element's free corners; -1: none is free. \param corner its \p count slots
     Index RegionOf(const std::uint32_t *corner, int count) const {
         for (int k = 0; k < count; ++k)
-            if (const Index u = NodeOf(corner[k]); u >= 0 && regions.regionOf[std::size_t(u)] >= 0)
-                return regions.regionOf[std::size_t(u)];
+            if (const Index u = NodeOf(corner[k]); u >= 0 && regions.regionOf[u] >= 0)
+                return regions.regionOf[u];
         return -1;
     }
 
@@ -167,7 +166,7 @@ class RegionTaker {
             } else {
                 const std::uint32_t *corner = mesh.corner + 3 * std::size_t(surface.faces[f]);
                 for (Index region : HeldBy(corner, 3)) {
-                    parts[std::size_t(region)].faceOf.push_back(surface.faces[f]);
+                    parts[region].faceOf.push_back(surface.faces[f]);
                     addCorners(region, corner, 3, more);
                 }
             }
@@ -178,7 +177,7 @@ class RegionTaker {
                 if (of[0] < 0)
                     of = HeldBy(end, 2);
                 for (Index region : of) {
-                    edges[std::size_t(region)].push_back(e);
+                    edges[region].push_back(e);
                     addCorners(region, end, 2, more);
                 }
             }
@@ -194,8 +193,8 @@ class RegionTaker {
                 const Index u = NodeOf(i);
                 if (u < 0)
                     continue;
-                if (tag[std::size_t(u)] == 1)
-                    of.assign(1, regions.regionOf[std::size_t(u)]);
+                if (tag[u] == 1)
+                    of.assign(1, regions.regionOf[u]);
                 else if (slotTag[i] != 1)
                     regions.Of(surface.graph, u, of);
                 else // free, but shares a held node: ListElements adds it
@@ -207,7 +206,7 @@ class RegionTaker {
         });
         for (auto &list : found) {
             for (const auto &[region, slot] : list)
-                parts[std::size_t(region)].slotOf.push_back(slot);
+                parts[region].slotOf.push_back(slot);
             list = {};
         }
         for (std::size_t r = 0; r < parts.size(); ++r)
@@ -235,7 +234,7 @@ class RegionTaker {
                 const std::size_t slot = part.slotOf[i];
                 const Index u = NodeOf(slot);
                 // A vertex that only a degenerate face brings in is free in another region, and held in this one.
-                const bool isOfOthers = u >= 0 && tag[std::size_t(u)] == 1 && !IsFreeIn(r, slot);
+                const bool isOfOthers = u >= 0 && tag[u] == 1 && !IsFreeIn(r, slot);
                 part.tag[i] = isOfOthers ? 0 : slotTag[slot];
                 if (IsFreeIn(r, slot))
                     local[slot] = std::uint32_t(i);

@@ -82,7 +82,7 @@ class TriangleTree {
         std::vector<Eigen::Vector3d>().swap(middle);
     }
 
-    const std::array<Index, 3> &operator[](Index t) const { return triangle[std::size_t(t)]; }
+    const std::array<Index, 3> &operator[](Index t) const { return triangle[t]; }
     const std::vector<std::array<Index, 3>> &Triangles() const { return triangle; }
     /// \param p no number beyond 1e100 \param begin a triangle that may be near, for speed; -1: none
     Nearest operator()(const Eigen::Vector3d &p, Index begin) const {
@@ -109,12 +109,12 @@ class TriangleTree {
     }
     /// The normal of a triangle, as long as twice its area.
     Eigen::Vector3d NormalOf(Index t) const {
-        const auto &corners = triangle[std::size_t(t)];
+        const auto &corners = triangle[t];
         const Eigen::Vector3d a = position.col(corners[0]), b = position.col(corners[1]), c = position.col(corners[2]);
         return (b - a).cross(c - a);
     }
     double LongestEdgeOf(Index t) const {
-        const auto &corners = triangle[std::size_t(t)];
+        const auto &corners = triangle[t];
         double square = 0;
         for (std::size_t k = 0; k < 3; ++k)
             square = std::max(square, (position.col(corners[k]) - position.col(corners[(k + 1) % 3])).squaredNorm());
@@ -144,7 +144,7 @@ class TriangleTree {
 
     Eigen::AlignedBox3d BoxOf(Index t) const {
         Eigen::AlignedBox3d box;
-        for (Index i : triangle[std::size_t(t)])
+        for (Index i : triangle[t])
             box.extend(Eigen::Vector3d(position.col(i)));
         return box;
     }
@@ -162,7 +162,7 @@ class TriangleTree {
         std::nth_element(first, at, last, [&](Index a, Index b) {
             if (++compared % often == 0)
                 progress(0, stage);
-            return middle[std::size_t(a)][axis] < middle[std::size_t(b)][axis];
+            return middle[a][axis] < middle[b][axis];
         });
     }
 
@@ -285,7 +285,7 @@ class TriangleTree {
                     bound = within();
                 continue;
             }
-            const Node &node = nodes[std::size_t(child)];
+            const Node &node = nodes[child];
             double square[wide] = {};
             const Eigen::Vector3d q = node.axes.cast<double>() * p;
             for (int d = 0; d < 3; ++d)
@@ -319,7 +319,7 @@ class TriangleTree {
 
     /// Sets \p nearest to triangle \p t if that is nearer and counts. \return whether it did
     bool Try(const Eigen::Vector3d &p, Index t, Nearest &nearest) const {
-        const auto &corners = triangle[std::size_t(t)];
+        const auto &corners = triangle[t];
         const Eigen::Vector3d a = position.col(corners[0]), b = position.col(corners[1]), c = position.col(corners[2]);
         const Eigen::Vector3d weight = WeightsOfNearest(a, b, c, p);
         const double square = (a * weight[0] + b * weight[1] + c * weight[2] - p).squaredNorm();
