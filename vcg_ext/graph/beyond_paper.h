@@ -18,16 +18,15 @@ enum class GraphWeights {
 /// The steps beyond the paper. All are on, except with GraphWeights::Printed, where all are off. Ask for a step by its
 /// name, not for the weights.
 struct BeyondPaper {
-    bool barycenters;  ///< nodes at the barycentres of their patches, not at their central vertices (sec. 2.1)
-    bool borders;      ///< edges to constrained patches end at the border, not at the node (sec. 2.1)
-    bool surfaceBalls; ///< influence along the surface, if asked for, not in straight balls (Eq. 8)
-    bool compliance;   ///< the rotation of what is constrained gives way, with the depth (Eq. 5)
-    bool acceleration; ///< accelerated steps, if asked for (Eqs. 5 and 6)
-    bool steps;        ///< a pose that turns far is reached in steps (sec. 2.2)
-    bool refinement;   ///< more patches where few make another shape (sec. 2.1)
-    bool linearMaps;   ///< nodes stretch as their edges do, and not only rotate (Eq. 7)
-    bool
-        smoothMapping; ///< a blend of second order with smooth weights, which runs into what is constrained (Eqs. 7, 8)
+    bool barycenters;   ///< nodes at the barycentres of their patches, not at their central vertices (sec. 2.1)
+    bool borders;       ///< edges to held patches end at the border, not at the node (sec. 2.1)
+    bool surfaceBalls;  ///< allows distances along the surface in the mapping's weights, not only straight ones (Eq. 8)
+    bool compliance;    ///< constrained nodes may have free rotations, drawn to their region's rotation (Eq. 5)
+    bool acceleration;  ///< allows accelerated steps (Eqs. 5 and 6)
+    bool steps;         ///< a pose with large turns is reached in steps (sec. 2.2)
+    bool refinement;    ///< allows an automatic number of patches, by the estimated error (sec. 2.1)
+    bool linearMaps;    ///< nodes stretch as their edges do, they do not only rotate (Eq. 7)
+    bool smoothMapping; ///< a blend of second order with smooth weights, which runs over into held surface (Eqs. 7, 8)
 
     explicit BeyondPaper(GraphWeights weights = GraphWeights::Border) {
         barycenters = borders = surfaceBalls = compliance = acceleration = steps = refinement = linearMaps =

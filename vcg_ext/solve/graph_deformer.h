@@ -41,9 +41,8 @@ class GraphDeformer {
     /// \param constrained k flags: the position is given, and so is the rotation unless the node is compliant
     /// \param area A, frame units^2
     /// \param compliant k flags, or empty for none: constrained, with a free rotation
-    /// \param heldArea k values, or empty for 0: held area behind a compliant node, frame units^2; infinity for all
-    /// that
-    ///        lies behind
+    /// \param heldArea k values, or empty for 0: held area behind a compliant node, frame units^2; infinite
+    ///        for a region that goes on
     /// \param heldDepth as in ShapeConstants
     /// \param smoothness of poses that are to be found in quasi-Newton steps
     /// \throw Unsolvable when the system cannot be factorised, or takes too long \throw Cancelled
