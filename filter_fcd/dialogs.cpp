@@ -36,7 +36,7 @@ void LastValues::recall(int filter, RichParameterList &list, const MeshDocument 
     const auto last = lists.find(filter);
     if (last == lists.end())
         return;
-    // What writes over a file, or undoes what something else has done, is asked for each time.
+    // Parameters that overwrite files, or undo the work of something else, are never remembered.
     const QStringList guards{"to", "keep_shape"};
     for (const RichParameter &parameter : list)
         if (!host::isLayerParameter(parameter) && !host::isSaveFile(parameter) && !guards.contains(parameter.name()) &&
@@ -60,8 +60,7 @@ int likelySource(const MeshModel &layer, int last) {
 
 namespace {
 
-/// Calls from the host's event loop go through this. An exception would end the program; it goes to the log of the
-/// dialog's document instead.
+/// Guards calls from the host's event loop: an exception, which would end the program, goes to the document's log.
 class Guard {
   public:
     explicit Guard(MeshDocument &document) : document(&document) {}
@@ -88,7 +87,7 @@ class Guard {
 
 const int highest = 630; // of a dialog: fits the smallest screen that is common, with room for a panel
 
-/// Gives the helps of parameters the height of their text, which the host does not reckon with.
+/// Gives the help texts of parameters their full height, which the host does not allow for.
 void showWhole(const QWidget &parameters) {
     for (QLabel *label : parameters.findChildren<QLabel *>())
         if (label->wordWrap() && label->isVisible())
@@ -102,11 +101,10 @@ QCheckBox *previewOf(const QWidget &content) {
     return found == boxes.end() || (*found)->isHidden() ? nullptr : *found;
 }
 
-/// Gives a dialog a place on the screen: at its right edge, over the list of layers, where it has a preview, which is
-/// to be seen.
+/// Moves a dialog onto the screen; with a preview, to the right edge, over the list of layers, to leave that visible.
 void put(QDockWidget &dialog, const QRect &all) {
     QRect place = dialog.frameGeometry();
-    // What Qt says of a frame is out of date while a window manager is at it: as narrow as nothing, at worst.
+    // Qt's frame geometry may be out of date while the window manager works, and even be empty.
     place.setSize(place.size().expandedTo(dialog.size()));
     if (previewOf(*dialog.widget()))
         place.moveRight(all.right());
@@ -115,8 +113,7 @@ void put(QDockWidget &dialog, const QRect &all) {
     dialog.move(place.topLeft());
 }
 
-/// Gives a dialog that scrolls its size, and its place. \param least its size in any case \param rest that of what is
-/// around the area
+/// Sets size and position of a dialog that scrolls. \param least its least size \param rest size of all around the area
 void fit(const Guard &guard, QDockWidget &dialog, QScrollArea &area, const QSize &least, const QSize &rest) {
     const QScreen *screen = QApplication::screens().value(0);
     if (!screen)
@@ -129,7 +126,7 @@ void fit(const Guard &guard, QDockWidget &dialog, QScrollArea &area, const QSize
     dialog.resize(std::min(wanted.width() + bar, all.width()),
                   std::min(isHigh ? highest : wanted.height(), all.height()));
     put(dialog, all);
-    // Texts may have more lines than they had in the host's size, which is seen when all has its place.
+    // Texts may have more lines now than in the host's size; that is known after the layout.
     guard.later(&area, [guard, &dialog, &area, all] {
         showWhole(*area.widget());
         guard.later(&area, [&dialog, &area, all] {
@@ -151,7 +148,7 @@ void fit(const Guard &guard, QDockWidget &dialog) {
     }
 }
 
-/// Puts the parameters of a filter's dialog into an area that scrolls.
+/// Puts the parameters of a dialog into an area that scrolls.
 void letScroll(const Guard &guard, QDockWidget &dialog) {
     QWidget *content = dialog.widget();
     auto *grid = content ? qobject_cast<QGridLayout *>(content->layout()) : nullptr;
@@ -169,13 +166,13 @@ void letScroll(const Guard &guard, QDockWidget &dialog) {
     grid->setRowStretch(1, 1);
     const auto again = [guard, &dialog, area, first, rest] { fit(guard, dialog, *area, first, rest); };
     again();
-    // The host gives it another size when Help comes or goes.
+    // The host changes the size if Help is shown or hidden.
     for (QPushButton *button : content->findChildren<QPushButton *>(QString(), Qt::FindDirectChildrenOnly))
         guard.when(button, &QPushButton::clicked, area, [guard, area, again] { guard.later(area, again); });
 }
 
-/// Keeps what a dialog lists as layers in step with the layers: the host takes the one that has the place in its list
-/// that the chosen one had when the dialog opened.
+/// Updates the lists of layers in a dialog when layers change: the host goes by the index in the list of the dialog's
+/// opening.
 void followLayers(const Guard &guard, QWidget &content, MeshDocument &document) {
     struct Layers {
         QStringList labels;
@@ -205,7 +202,7 @@ void followLayers(const Guard &guard, QWidget &content, MeshDocument &document) 
                        return int(std::find(layers.ids.begin(), layers.ids.end(), id) - layers.ids.begin());
                    };
                    for (QComboBox *box : choosers) {
-                       const int chosen = box->currentIndex(); // -1 where there was no layer
+                       const int chosen = box->currentIndex(); // -1: there was no layer
                        int place = chosen < 0 ? layers.labels.size() : placeOf(shown->ids.at(std::size_t(chosen)));
                        if (place == layers.labels.size() && document.mm()) // it is gone
                            place = placeOf(document.mm()->id());
@@ -218,15 +215,15 @@ void followLayers(const Guard &guard, QWidget &content, MeshDocument &document) 
                });
 }
 
-/// The host's button Default brings back what the dialog had when it opened, which is remembered: instead, the dialog
-/// opens anew.
+/// Makes the button Default open the dialog again with the defaults. (The host's own restores the values at the
+/// dialog's opening, which are remembered ones.)
 void letDefaultBeDefaults(const Guard &guard, QWidget &content, const std::function<void()> &openWithDefaults) {
     for (QPushButton *button : content.findChildren<QPushButton *>())
         if (button->text() == "Default")
             guard.when(button, &QPushButton::clicked, &content, [guard, &content, openWithDefaults] {
                 if (QCheckBox *preview = previewOf(content))
                     preview->setChecked(false);          // gives the layer its shape back
-                guard.later(&content, openWithDefaults); // which is the end of the button
+                guard.later(&content, openWithDefaults); // later, since it deletes the button
             });
 }
 

@@ -8,30 +8,29 @@
 #include <map>
 
 /// \file
-/// What is done with the dialogs of MeshLab's window, for a person and not for a script (see host::inWindow).
+/// Improves the dialogs of MeshLab's window (not for scripts; see host::inWindow).
 
-/// What the dialogs said when their filters ran, while the program runs.
+/// Remembers the parameters that filters last ran with, while the program runs.
 class LastValues {
   public:
-    /// \param meant the layer that \p filter is about
+    /// \param meant the layer that \p filter ran on
     void keep(int filter, const RichParameterList &used, const MeshDocument &document, const MeshModel &meant);
-    /// Gives \p list, of a filter, the values that it was last used with. Of layers, only the one that the handles move
-    /// like is among them, while there is one of its name.
+    /// Sets \p list, of a filter, to the values of its last run. Of layers, only handleLayer, if there is a layer of
+    /// its name.
     void recall(int filter, RichParameterList &list, const MeshDocument &document) const;
     void forget(int filter) { lists.erase(filter); }
 
   private:
     std::map<int, RichParameterList> lists;
-    std::map<int, QString> handleLayers; ///< their names, empty where they were not used
+    std::map<int, QString> handleLayers; ///< their names; empty: not used
 };
 
-/// Where the parameter "handles" of \p layer most likely comes from: its tags, or else its selection. \p last is what
-/// was chosen last.
+/// The default of the parameter "handles" for \p layer: its tags, or else its selection. \param last the last choice
 int likelySource(const MeshModel &layer, int last);
 
-/// Prepares the dialog of the filter with \p title once the host has built it. It scrolls, where the host's does not,
-/// so that its buttons stay on the screen; what it lists as layers follows these; and its button Default opens it anew
-/// by \p openWithDefaults.
+/// Improves the dialog of the filter with \p title once the host has built it: it scrolls (if the host's does not), so
+/// that its buttons stay on the screen; its lists of layers are updated; and its button Default calls
+/// \p openWithDefaults.
 void prepareDialog(const QString &title, MeshDocument &document, const std::function<void()> &openWithDefaults);
 
 #endif

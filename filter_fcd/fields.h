@@ -4,36 +4,36 @@
 
 #include <layer_fcd/parameters.h> // before Qt
 
-/// Goes through the parameters of a filter, with a call for each in their order: either declares them to the host,
-/// whose defaults are then the values at hand, or reads them.
+/// Declares the parameters of a filter to the host, with their present values as defaults, or reads them: a call for
+/// each parameter, in order, does either.
 class Fields {
   public:
     using Shown = host::Shown;
 
-    /// Declares. Lengths are relative to the current layer, if there is one.
+    /// Declares parameters. Lengths are relative to the current layer, if there is one.
     explicit Fields(const MeshDocument &document) : document(document) {}
-    /// Reads. \throw what the host does where \p given lacks one
+    /// Reads parameters. \throw as the host, if \p given lacks one
     Fields(const MeshDocument &document, const RichParameterList &given) : document(document), given(&given) {}
 
     const RichParameterList &declared() const { return list; }
     bool areRead() const { return given; }
     bool isGiven(const QString &name) const { return given && given->hasParameter(name); }
-    /// Whether newer ones are among them, of which \p first is the first: the window has them, a script may lack them.
+    /// Whether there are newer parameters, which old scripts lack. \param first the first of them
     bool hasNewer(const QString &first) const { return given ? isGiven(first) : !host::firstMayBeLacking(); }
-    /// From here on, what is read and not given keeps its value. So do layers in any case.
+    /// From here on, parameters that are not given keep their values. (Layers always do.)
     void letLack() { mayLack = true; }
 
     void field(const QString &name, bool &value, Shown shown, const QString &label, const QString &help);
     void field(const QString &name, int &value, Shown shown, const QString &label, const QString &help);
     void field(const QString &name, QString &value, Shown shown, const QString &label, const QString &help);
-    /// \param exponent of 10: what the number is that is shown as 1
+    /// \param exponent the number is shown divided by 10^exponent
     void field(const QString &name, double &value, Shown shown, const QString &label, const QString &help,
                int exponent = 0);
     template <class Value>
     void field(const QString &name, Value &value, Shown shown, const ParameterText &text) {
         field(name, value, shown, text.label, text.help);
     }
-    /// In units of the current layer, also as a percentage of the diagonal of its bounding box.
+    /// A length in units of the current layer, which the dialog also shows as a percentage of the diagonal of its box.
     void length(const QString &name, double &value, Shown shown, const QString &label, const QString &help);
     void position(const QString &name, Eigen::Vector3d &value, Shown shown, const QString &label, const QString &help);
     void direction(const QString &name, Eigen::Vector3d &value, Shown shown, const QString &label, const QString &help);
@@ -43,7 +43,7 @@ class Fields {
     void saveFile(const QString &name, QString &value, Shown shown, const QString &ending, const QString &label,
                   const QString &help);
 
-    /// One of \p values. \throw vcg::fcd::Error when what is read is none of them
+    /// One of \p values. \throw vcg::fcd::Error the value that is read is none of them
     template <class Enum>
     void choice(const QString &name, Enum &value, Shown shown, const QStringList &values, const QString &label,
                 const QString &help) {
@@ -58,7 +58,7 @@ class Fields {
         choice(name, value, shown, text.values, text.label, text.help);
     }
 
-    /// A layer, null where the name is that of none. \param likely the default
+    /// A layer; null: there is none of that name. \param likely the default
     template <class Layer>
     void layer(const QString &name, Layer *&value, const MeshModel *likely, Shown shown, const QString &label,
                const QString &help) {
@@ -68,8 +68,8 @@ class Fields {
             value = host::layerParameter(*given, name, document);
     }
 
-    /// Declares those \p first before the others, which come last or, without \p others, not at all; with handleLayer
-    /// first where an older script may lack it.
+    /// Reorders what was declared: \p first, then, if \p others, the rest. handleLayer goes before all if older scripts
+    /// may lack it.
     void order(QStringList first, bool others);
 
     const MeshDocument &document;

@@ -18,7 +18,7 @@ using vcg::fcd::Progress;
 
 namespace {
 
-/// The current layer. \throw Error when there is none or it is empty
+/// The current layer. \throw Error there is none, or it is empty
 MeshModel &input(MeshDocument &document) {
     MeshModel *layer = document.mm();
     if (!layer)
@@ -34,7 +34,7 @@ FilterFcd::FilterFcd() {
     announce({BuildGraph, DeformMesh, FitMesh, StraightenMesh, Symmetrize, Compensate, PoseSequence, PoseInPlace,
               ResetPose, CopyDeformation, SaveDeformation, Tag, ClearTags, SaveSession, LoadSession, TagSelection,
               TagsFromFiles, SaveTags});
-    if (qobject_cast<QGuiApplication *>(QCoreApplication::instance())) // else there is nothing to see
+    if (qobject_cast<QGuiApplication *>(QCoreApplication::instance())) // there is a window
         for (const int id : {TagSelection, TagsFromFiles, SaveTags})
             action(id)->setVisible(false); // neither in menus nor in the search
 }
@@ -42,7 +42,7 @@ FilterFcd::FilterFcd() {
 QString FilterFcd::name() const { return "FilterFCD"; }
 
 HostFilterPlugin::FilterClass FilterFcd::menus(int id) const {
-    // After a filter of textures the host shows those of the current layer, which is new.
+    // The class Texture makes the host load the textures of the new current layer.
     const int both = int(Smoothing) | int(Texture);
     // NOLINTNEXTLINE(clang-analyzer-optin.core.EnumCastOutOfRange): the host takes it as bits
     return id == DeformMesh || id == FitMesh || id == StraightenMesh || id == Symmetrize || id == Compensate ||
@@ -55,13 +55,12 @@ int FilterFcd::changes(int id) const {
     const int shape = MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL | MeshModel::MM_FACENORMAL;
     switch (id) {
     case PoseInPlace: return shape;
-    // A number of vertices that changes means no preview. A preview of this could not be taken back: the host does not
-    // restore attributes.
+    // MM_VERTNUMBER switches the preview off, which could not be undone: the host does not restore attributes.
     case ResetPose: return shape | MeshModel::MM_VERTNUMBER;
     case LoadSession:
         return shape | MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTNUMBER |
                MeshModel::MM_TRANSFMATRIX;
-    case Tag: // whose preview would write files
+    case Tag: // a preview would write files
     case ClearTags: return MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTNUMBER;
     case TagSelection:
     case TagsFromFiles: return MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR;
@@ -91,7 +90,7 @@ RichParameterList FilterFcd::parameters(int id, const MeshDocument &document) co
     return list;
 }
 
-/// The layer that a filter is about.
+/// The layer that a filter works on: in the window, the source of a result that is tried again.
 MeshModel &FilterFcd::meant(int id, MeshModel &current, MeshDocument &document) {
     return id == DeformMesh && host::inWindow() ? sourceOf(document, current) : current;
 }
@@ -146,7 +145,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList 
     throw Error("Unknown filter.");
 }
 
-/// Logs what was made, and gives the numbers.
+/// Logs a result with its warnings. \return \p values
 HostFilterPlugin::ReturnedValues FilterFcd::tell(const std::string &line, const std::vector<std::string> &warnings,
                                                  const ReturnedValues &values) const {
     logLine(line);
@@ -186,6 +185,6 @@ HostFilterPlugin::ReturnedValues FilterFcd::clearTags(const MeshDocument &docume
     return {{"other_vertices", made.others}, {"new_vertices", made.placed}};
 }
 
-// What moc makes of the headers: compiled here, it does not include all of MeshLab once more.
+// The sources of moc: compiled here, so that all of MeshLab is not included once more.
 #include "layer_fcd/moc_filter_host.cpp" // NOLINT(bugprone-suspicious-include)
 #include "moc_filter_fcd.cpp"            // NOLINT(bugprone-suspicious-include)

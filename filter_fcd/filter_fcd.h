@@ -89,8 +89,8 @@ class FilterFcd : public HostFilterPlugin {
     QString shown() const;
 
     PreparedLayers preparedLayers;
-    mutable LastValues lastValues; ///< forgotten by a dialog
-    mutable QString shownLayer;    ///< what the dialog that the host shows next is about
+    mutable LastValues lastValues; ///< const functions of the host forget values
+    mutable QString shownLayer;    ///< the layer of the dialog that the host shows next
 };
 
 #endif

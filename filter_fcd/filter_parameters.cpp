@@ -8,7 +8,7 @@ using host::Shown;
 
 namespace {
 
-/// The layers that have a deformation, by default the last one. \param param a CopyParam or SaveDeformationParam
+/// The layers of a deformation; the default is the last one. \param param a CopyParam or SaveDeformationParam
 template <class Param>
 void askLayers(Fields &fields, Param &param) {
     const DeformationLayers last = lastDeformation(fields.document);
@@ -74,14 +74,14 @@ void ask(Fields &fields, DeformMeshParam &param) {
                      "motion. Solves eight poses; the log tells how far it came.");
     deformation.contact = param.quality == DeformMeshParam::Contact;
     deformation.measure = param.quality == DeformMeshParam::Stretch || param.quality == DeformMeshParam::Rotation;
-    if (!host::dialogsFold) // what one needs comes first
+    if (!host::dialogsFold) // the most important ones come first
         fields.order({"handles", "translation", "rotation_axis", "rotation_angle", "rotation_center", "rotation_point",
                       handleLayer, "smoothness", "pose", "graph_layers", "transforms"},
                      true);
 }
 
 void ask(Fields &fields, PoseParam &param) {
-    fields.letLack(); // those that no dialog shows, where it does not fold
+    fields.letLack(); // parameters that dialogs which do not fold leave out
     askHandles(fields, param.handles);
     askTargetRadius(fields, param.deformation.graph);
     askInitialPatches(fields, param.deformation.graph);
@@ -102,7 +102,7 @@ void ask(Fields &fields, PoseParam &param) {
 }
 
 void ask(Fields &fields, CopyParam &param) {
-    // First: where a script lacks the first parameter only, meshlabserver 2020.09 fills it in.
+    // The first parameter, since meshlabserver 2020.09 fills in a missing first parameter only.
     fields.openFile("deformation_file", param.file, Shown::Always, {"*.ply"}, "Saved deformation (.ply)",
                     "A file of 'FCD: Save Deformation', in world coordinates. The three layers below are not read "
                     "then. <b>Empty</b> (the default): these layers have the deformation.");

@@ -5,9 +5,9 @@
 #include "fields.h"
 
 /// \file
-/// The parameters of the filters, each said once, for the host's dialogs and scripts and for the way back.
+/// The parameters of the filters: each is declared once, for dialogs, scripts and reading.
 
-/// What the filters for older scripts ask for, which do a part of what "FCD: Tag" does.
+/// Parameters of filters for older scripts, which do a part of "FCD: Tag".
 struct TagSelectionParam : TagParam {};
 struct TagsFromFilesParam : TagParam {};
 
@@ -18,7 +18,7 @@ struct LoadSessionParam {
     QString file; ///< .fcd
 };
 
-/// What a filter asks for. \throw vcg::fcd::Error when a value that is read makes no sense
+/// Declares or reads the parameters of a filter. \throw vcg::fcd::Error a value that is read is invalid
 void ask(Fields &fields, BuildGraphParam &param);
 void ask(Fields &fields, DeformMeshParam &param);
 void ask(Fields &fields, FitMeshParam &param);
@@ -37,7 +37,7 @@ void ask(Fields &fields, SaveTagsParam &param);
 void ask(Fields &fields, SaveSessionParam &param);
 void ask(Fields &fields, LoadSessionParam &param);
 
-/// The parameters with their defaults, as the host shows them.
+/// The parameters with their defaults, for the host.
 template <class Param>
 RichParameterList parametersOf(const MeshDocument &document) {
     Param param;
@@ -46,7 +46,7 @@ RichParameterList parametersOf(const MeshDocument &document) {
     return fields.declared();
 }
 
-/// What the host hands over. \throw vcg::fcd::Error when a value makes no sense
+/// Reads the parameters of the host. \throw vcg::fcd::Error a value is invalid
 template <class Param>
 Param read(const RichParameterList &given, const MeshDocument &document) {
     Param param;

@@ -63,7 +63,7 @@ std::string describe(const MeshModel &layer, const TagTarget &target) {
 
 namespace {
 
-/// Of a pose.
+/// A warning about flipped triangles of a pose.
 std::string describeFlipped(vcg::fcd::Index count) {
     return trianglesFlipped(std::size_t(count)) +
            ": the surface is squeezed or twisted too much there. Move the handles less, or leave more free surface "

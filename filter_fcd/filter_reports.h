@@ -19,63 +19,58 @@
 #include <vector>
 
 /// \file
-/// What the filters say of what they did: in words, and in numbers for scripts.
+/// Reports of the filters: describe() and warningsOf() in words, for the log; valuesOf() in numbers, for scripts.
 
-/// What the surface is like, in words. Mentions only what was met.
+/// The properties of a surface that are not as usual.
 std::string describe(const vcg::fcd::SurfaceReport &surface);
-/// What describe() tells, for scripts.
 HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::SurfaceReport &surface);
 
 std::string describe(const vcg::fcd::TagCount &tags);
 HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::TagCount &tags);
 
-/// What a file of a layer has that is saved while it has tags; nothing where these take no place of its own.
+/// What a file of the layer holds if it is saved while it has tags; empty if tags replace nothing.
 std::string describe(const MeshModel &layer, const TagTarget &target);
-/// How many new vertices have what was at their place, and how many vertices keep what they have.
+/// BroughtBack::placed and ::others in words.
 std::string describePlaced(const MeshModel &layer, const BroughtBack &made);
 std::string describeOthers(const MeshModel &layer, const BroughtBack &made);
 
-/// What loose parts did, and which graph was used where one was given.
+/// Loose parts, and the use of a given graph.
 std::vector<std::string> describe(const DeformedLayers &made, const DeformMeshParam &param);
 
-/// A sentence for each thing on the way to a pose that is worth knowing.
+/// Steps, jumps and buckling of a pose, a sentence each.
 std::vector<std::string> describe(const vcg::fcd::PoseWay &way);
 HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::PoseWay &way);
 
-/// A sentence where there are too few nodes. \param error as Deformer::DiscretisationError gives it
+/// A warning if there are too few nodes; else empty. \param error as of Deformer::DiscretisationError
 std::string describeDiscretisation(double error);
-/// The same for scripts, all of whose values are finite: -1 where it cannot be told.
+/// The error for scripts, which get finite values only: -1 if it is unknown.
 double valueOfDiscretisation(double error);
 
-/// How well a layer fits, in words and in numbers, besides valuesOf its result.
+/// How well a layer fits; besides valuesOf its result.
 std::string describe(const FittedLayers &made);
 HostFilterPlugin::ReturnedValues valuesOf(const FittedLayers &made);
-/// A sentence for each thing for which a fit is not to be trusted.
 std::vector<std::string> warningsOf(const FittedLayers &made);
 
-/// What all that deform a surface tell of it, in numbers.
+/// The values of all filters that deform a surface.
 HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::DeformationResult &result);
 
-/// How a layer was straightened, in numbers, besides.
+/// Besides valuesOf the result.
 HostFilterPlugin::ReturnedValues valuesOf(const StraightenedLayers &made);
 HostFilterPlugin::ReturnedValues valuesOf(const SymmetrizedLayers &made);
 HostFilterPlugin::ReturnedValues valuesOf(const CompensatedLayers &made);
 
-/// What was made of poses, in words and in numbers.
 std::string describe(const SequenceLayers &made);
 HostFilterPlugin::ReturnedValues valuesOf(const SequenceLayers &made);
 std::vector<std::string> warningsOf(const SequenceLayers &made);
 
-/// What a saved deformation is like, in words and in numbers.
 std::string describe(const SavedDeformation &saved);
 HostFilterPlugin::ReturnedValues valuesOf(const SavedDeformation &saved);
 std::vector<std::string> warningsOf(const SavedDeformation &saved);
 
-/// What of a layer passes through it, in numbers, and in words where something does.
 HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::SurfaceContact &contact);
 std::vector<std::string> warningsOf(const vcg::fcd::SurfaceContact &contact);
 
-/// A sentence for each thing that is probably not meant.
+/// What is probably unwanted in a pose, a sentence each.
 std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, const vcg::fcd::SurfaceReport &surface);
 
 #endif

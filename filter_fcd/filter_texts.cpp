@@ -2,7 +2,7 @@
 #include "filter_fcd.h"
 #include "filter_parameters.h"
 
-// What the filters are called, in the window and in scripts, and what they say of themselves.
+// The names of the filters, in the window and in scripts, and their help texts.
 
 namespace {
 
@@ -10,7 +10,7 @@ const char *const reference = "<br>Method: A. Morsucci, M. Centin, A. Signoroni,
                               "large mesh models</i>, STAG 2018 "
                               "(<a href='https://doi.org/10.2312/stag.20181302'>doi:10.2312/stag.20181302</a>)";
 
-/// What a filter is called, and its parameters with their defaults.
+/// The name of a filter, and its parameters with their defaults.
 struct Called {
     int id;
     const char *inWindow, *inScripts;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What FCD: Fit to Layer says of what it did.
+// The report of FCD: Fit to Layer.
 #include "filter_reports.h"
 
 #include <layer_fcd/layer_labels.h>
@@ -19,7 +19,7 @@ double rmsOf(const std::vector<double> &off) {
 }
 double mostOf(const std::vector<double> &off) { return off.empty() ? 0 : *std::max_element(off.begin(), off.end()); }
 
-/// \param what they are, and how far off
+/// Writes the rms and the largest error. \param what name of the errors
 void tell(const std::vector<double> &off, const char *what, std::ostream &line) {
     if (!off.empty())
         line << " " << what << " by " << rmsOf(off) << " (rms), at most by " << mostOf(off) << " (number "
@@ -104,14 +104,14 @@ HostFilterPlugin::ReturnedValues valuesOf(const FittedLayers &made) {
 std::vector<std::string> warningsOf(const FittedLayers &made) {
     const vcg::fcd::FitReport &report = made.report;
     std::vector<std::string> warnings = report.Remarks();
-    if (report.matched < 0.3 && !made.landmarksOnly) { // then most of the shape is a guess
+    if (report.matched < 0.3 && !made.landmarksOnly) { // most of the shape is a guess
         std::ostringstream line;
         line << "Only " << 100 * report.matched
              << " percent of the surface have a counterpart: do not trust the rest. Lay the layers onto each other "
                 "first, give landmarks, or raise largest_distance or largest_angle.";
         warnings.push_back(line.str());
     }
-    if (report.guessed > 0.05 && report.guessError > 0.01 * made.diagonal) { // 1 %: no hand misses so much
+    if (report.guessed > 0.05 && report.guessError > 0.01 * made.diagonal) { // 1 %: a hand misses by less
         std::ostringstream line;
         line << 100 * report.guessed << " percent of the surface are guessed, as they have no counterpart, and may be "
              << "off by about " << report.guessError << ": give landmarks there, or do not trust them.";
@@ -120,7 +120,7 @@ std::vector<std::string> warningsOf(const FittedLayers &made) {
     if (made.result.check.flipped > 0)
         warnings.push_back(trianglesFlipped(std::size_t(made.result.check.flipped)) +
                            ": the fit folds the surface there. Give landmarks, or raise stiffness.");
-    if (report.pull > 0.01 * made.diagonal && report.contradicted.empty()) { // 1 %: no hand misses so much
+    if (report.pull > 0.01 * made.diagonal && report.contradicted.empty()) { // 1 %: a hand misses by less
         std::ostringstream line;
         line << "The landmarks contradict each other or the target, by " << report.pull
              << ". Look for pairs that are mixed up.";

@@ -3,13 +3,13 @@
 
 #include <limits>
 
-// What the filters that match surfaces ask for.
+// Parameters of the filters that match surfaces.
 
 using host::Shown;
 
 namespace {
 
-/// The only other layer, or else the current one, which is no target.
+/// The default target: the only other layer, or else the current one, which is no target.
 const MeshModel *likelyTarget(const MeshDocument &document) {
     const std::vector<const MeshModel *> layers = host::layers(document);
     if (layers.size() != 2)

@@ -48,6 +48,6 @@ void ask(Fields &fields, SequenceParam &param) {
         return;
     param.handles.validate();
     param.deformation.Validate();
-    param.deformation = asHandedOver(param.deformation); // so that what is prepared is that of the other filters
+    param.deformation = asHandedOver(param.deformation); // so that deformers are shared with the other filters
     param.validate();
 }

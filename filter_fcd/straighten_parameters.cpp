@@ -5,7 +5,7 @@ using host::Shown;
 
 void ask(Fields &fields, StraightenMeshParam &param) {
     const MeshModel *current = fields.document.mm();
-    const MeshModel *line = current; // the only one with edges, or else the current one, which is no line
+    const MeshModel *line = current; // the only layer with edges, or else the current one, which is no line
     int lines = 0;
     for (const MeshModel *layer : host::layers(fields.document))
         if (layer != current && layer->cm.en > 0) {

@@ -8,7 +8,7 @@
 
 namespace {
 
-/// Whether the least of three sizes is next to nothing.
+/// Whether the smallest of three sizes is below \p least of the largest.
 bool isFlat(const Eigen::Vector3d &descending, double least) { return !(descending[2] > least * descending[0]); }
 
 Eigen::Vector3d singularValues(const Eigen::Matrix3d &matrix) {
@@ -36,12 +36,12 @@ std::optional<Eigen::Affine3d> affineMapOf(const std::vector<Eigen::Vector3d> &f
     }
     const Eigen::JacobiSVD<Eigen::Matrix3d> axes(spread, Eigen::ComputeFullU);
     Eigen::Affine3d map;
-    // As thin as a thousandth: what is beside it would be off by thousands of roundings. (These are squares of sizes.)
+    // A thousandth, squared: beside points that are thinner, the map would be off by thousands of roundings.
     const double thin = 1e-6;
     if (!isFlat(axes.singularValues(), thin)) {
         map.linear() = both * spread.inverse();
     } else if (axes.singularValues()[1] > thin * axes.singularValues()[0]) {
-        // What lies in a plane tells what is beside it where it was turned, moved and scaled as a whole, and not
+        // Points in a plane tell the map beside the plane if they were turned, moved and scaled as a whole, not
         // mirrored.
         const Eigen::Vector3d u = axes.matrixU().col(0), v = axes.matrixU().col(1),
                               a = both * u / axes.singularValues()[0], b = both * v / axes.singularValues()[1],

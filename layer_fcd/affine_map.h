@@ -7,10 +7,9 @@
 #include <optional>
 #include <vector>
 
-/// The affine map that took each of some points to where it is now, where there is one with an inverse.
-/// \param from, to the points, one each \param rounding of a coordinate, of the numbers that it is the sum of
-/// \return none as well where the points lie on a line, or in a plane that was stretched: these tell nothing of what is
-/// beside them
+/// The invertible affine map that takes each point of \p from to that of \p to, up to rounding.
+/// \param rounding of a coordinate, over the numbers that it is the sum of
+/// \return none if there is none, or if the points do not determine it: on a line, or in a plane that was stretched
 std::optional<Eigen::Affine3d> affineMapOf(const std::vector<Eigen::Vector3d> &from,
                                            const std::vector<Eigen::Vector3d> &to, double rounding);
 

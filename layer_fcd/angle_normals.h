@@ -14,27 +14,27 @@
 #include <cstdint>
 #include <vector>
 
-/// Ranges of faces whose normals and angles are computed by any thread.
+/// Faces of a range, whose normals and angles one thread computes.
 constexpr std::size_t facesOfRange = 1024;
 
-/// What computeFlaggedNormals needs of memory, so that it can be had before anything is changed.
+/// The memory of computeFlaggedNormals, allocated before anything is changed.
 struct FlaggedFaces {
-    /// Of the faces of a range, those that have a vertex with a flag.
+    /// The faces of a range that have a vertex with a flag.
     struct Range {
         float angle[3][facesOfRange];
         std::uint32_t slot[3][facesOfRange];
         std::uint16_t face[facesOfRange]; ///< counted from the first of the range
         int count;
     };
-    std::vector<char> isClear; ///< flags of the vertices' slots: the sum of the normals is begun
+    std::vector<char> isClear; ///< flags of the vertices' slots: the sum of the normals has begun
     vcg::fcd::RangeResults<Range> range;
 
     FlaggedFaces(std::size_t vertices, std::size_t faces) : isClear(vertices, 0), range(faces, facesOfRange) {}
 };
 
-/// What computeAngleNormals does, with angles to 1e-7, for the normals of faces that have a vertex with a flag in
-/// \p flags (one per slot), and of these vertices; all others keep theirs. The same bits with any number of threads.
-/// \param memory for the mesh's vertices and faces, not yet used
+/// Like computeAngleNormals, with angles to 1e-7, but only for vertices with a flag in \p flags (one per slot), and
+/// faces with such a vertex. The same bits for any number of threads.
+/// \param memory for the mesh's vertices and faces, not used before
 template <class MeshType>
 void computeFlaggedNormals(MeshType &mesh, const std::vector<char> &flags, FlaggedFaces &memory) {
     using Scalar = typename MeshType::ScalarType;
@@ -96,11 +96,9 @@ void computeFlaggedNormals(MeshType &mesh, const std::vector<char> &flags, Flagg
     vcg::fcd::ParallelForAdding(0, mesh.face.size(), facesOfRange, compute, add);
 }
 
-/// What vcg::tri::UpdateNormal::PerFaceNormalized and PerVertexAngleWeighted do, to the bit: the normal of a vertex is
-/// the sum of those of its faces, in the order of these, times their angles there. Vertices without a face keep theirs.
-///
-/// Each face is visited once, for any number of threads (0 = one a core): they compute normals and angles of different
-/// ranges of faces, and add them up one range after the other, which takes a small part of the time.
+/// Normals of faces and vertices, with the bits of vcg::tri::UpdateNormal::PerFaceNormalized and
+/// PerVertexAngleWeighted, for any number of threads (0 = one a core): the normal of a vertex is the sum of its faces'
+/// normals times their angles, in the order of the faces. Vertices without a face keep theirs.
 template <class MeshType>
 void computeAngleNormals(MeshType &mesh, unsigned threads) {
     using Face = typename MeshType::FaceType;

@@ -13,10 +13,10 @@ namespace {
 
 const char *const firstLine = "FCD bend 1";
 
-// A person gives handles one rank after another: so many leave room for the next.
+// Users give handles one rank after another: this leaves room.
 const int mostRank = 1000000;
 
-/// Reads such a text without trusting it.
+/// Reads a text of bend_text.h, and checks all of it.
 class BendTextReader : public vcg::fcd::detail::TextReader {
   public:
     BendTextReader(const std::string &text, const std::string &name, const std::vector<std::size_t> &live,
@@ -113,18 +113,18 @@ class BendTextReader : public vcg::fcd::detail::TextReader {
         try {
             state.motion = vcg::fcd::ReadMotionText(rest(), "The motions");
             for (const auto &each : state.motion)
-                vcg::fcd::ToMotion(each.second, Eigen::Vector3d::Zero()); // to say what is wrong with it
+                vcg::fcd::ToMotion(each.second, Eigen::Vector3d::Zero()); // throws if it is wrong
         } catch (const vcg::fcd::BadInput &error) {
             std::string what = error.what();
-            what.erase(what.find_last_not_of('.') + 1); // which comes after it
+            what.erase(what.find_last_not_of('.') + 1); // expected() adds it
             Fail("motions that cannot be: " + what);
         }
     }
 
-    /// Vertices get a value, which they have not yet. \param none what they have then
+    /// Gives vertices a value, which none may have yet. \param none the value of others
     template <class Value>
     void readRanges(std::vector<Value> &values, Value value, Value none) {
-        if (value == none) // and could be said of all of them in each line
+        if (value == none) // or each line could repeat it for all vertices
             Fail("vertices of tag 1 have no mark");
         values.resize(vertexSlots, none);
         while (!isAtEnd()) {
@@ -167,7 +167,7 @@ class BendTextReader : public vcg::fcd::detail::TextReader {
         const std::string here = word();
         Number value{};
         if (!vcg::fcd::detail::ToNumber(here.data(), here.data() + here.size(), value) ||
-            !(double(value) >= least && double(value) <= most)) // nor is it not a number
+            !(double(value) >= least && double(value) <= most)) // also for NaN
             expected(what, here);
         return value;
     }
@@ -203,7 +203,7 @@ class BendTextReader : public vcg::fcd::detail::TextReader {
 
 std::string textOf(const Eigen::Vector3d &v) { return ToText(v[0]) + " " + ToText(v[1]) + " " + ToText(v[2]); }
 
-/// Which vertices have which value, those of one in one line. \param none what is left out
+/// The vertices of each value, a line each. \param none the value that is left out
 template <class Value>
 std::string rangesText(const std::string &key, const std::vector<Value> &values, Value none,
                        const std::vector<std::size_t> &live) {
@@ -240,7 +240,7 @@ std::string handleText(int tag, const BendHandle &handle) {
 } // namespace
 
 std::string bendText(const BendState &state, const BendOptions &options, const std::vector<std::size_t> &live) {
-    const auto liveNumber = [&](std::size_t slot) { // a slot that counts for nothing need not be a live one
+    const auto liveNumber = [&](std::size_t slot) { // corners of weight 0 may be deleted
         const auto found = std::lower_bound(live.begin(), live.end(), slot);
         return ToText(std::min(std::size_t(found - live.begin()), live.size() - 1));
     };
@@ -248,11 +248,11 @@ std::string bendText(const BendState &state, const BendOptions &options, const s
                        ToText(options.initialPatches) + "\ndistances " + ToText(int(options.weights)) + "\nsymmetry " +
                        ToText(options.mirror) + "\naxes " + ToText(int(options.axes)) + "\npose " + ToText(state.pose) +
                        "\n";
-    if (options.falloff != vcg::fcd::Falloff::Smooth) // which versions without it read, too
+    if (options.falloff != vcg::fcd::Falloff::Smooth) // so that older versions can read it
         text += "falloff " + ToText(int(options.falloff)) + "\n";
-    if (options.elastic) // as that
+    if (options.elastic) // as above
         text += "elastic 1\n";
-    if (options.rigidity != BendOptions().rigidity) // as that
+    if (options.rigidity != BendOptions().rigidity) // as above
         text += "rigidity " + ToText(options.rigidity) + "\n";
     for (const auto &[tag, point] : state.points)
         text += "point " + ToText(tag) + " " + liveNumber(point.slot) + " " + ToText(point.radius) +

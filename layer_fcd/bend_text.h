@@ -9,13 +9,13 @@
 #include <vector>
 
 /// \file
-/// What a person has said of a layer, for another day: a text with a line for each thing, which people can read.
+/// The settings of FCD: Bend for a layer as a text that people can read, a line each.
 ///
 ///     FCD bend 1
 ///     smoothness S            options, as BendOptions has them; enumerations by their numbers
-///     falloff N               left out where it is smooth
-///     elastic 1               left out where it is not
-///     rigidity R              left out where it is 1
+///     falloff N               left out if it is smooth
+///     elastic 1               left out if it is not
+///     rigidity R              left out if it is 1
 ///     detail N
 ///     distances N
 ///     symmetry N
@@ -33,14 +33,14 @@
 ///     weights PERCENT ...     of each pose that has a name
 ///     line A B C WA WB WC X Y Z                   of each point: BendLinePoint's corners, weights and place
 ///
-/// Lines after the first may be left out. Vertices are numbered from 0 as the live ones follow each other, which is how
-/// any program numbers them that opens the layer's file.
+/// Lines after the first may be left out. Live vertices are numbered from 0, as any program numbers them that opens the
+/// layer's file.
 
-/// All but poses that have names, applies and loads. \param live slots of the live vertices, ascending \return what
-/// readBendText reads, each number to the bit
+/// The text of all but poses with names, applies and loads; numbers are to the bit.
+/// \param live slots of the live vertices, ascending
 std::string bendText(const BendState &state, const BendOptions &options, const std::vector<std::size_t> &live);
 
-/// What such a text says. \param name what messages call it \param vertexSlots of all vertices
+/// Reads such a text. \param name of the text, for messages \param vertexSlots number of all slots
 /// \throw vcg::fcd::BadInput what is wrong, with the line
 std::pair<BendState, BendOptions> readBendText(const std::string &text, const std::string &name,
                                                const std::vector<std::size_t> &live, std::size_t vertexSlots);

@@ -25,13 +25,13 @@ bool isPlace(const MeshModel &layer, const Eigen::Matrix3Xd &position, std::size
 
 } // namespace
 
-/// The vertices of the surface by their places.
+/// Finds the vertex of the surface at a position.
 class CarryingSurface::VerticesAtPlaces {
   public:
     VerticesAtPlaces(const MeshModel &source, const Eigen::Matrix3Xd &position) : mesh(source.cm), position(position) {}
 
-    /// The vertex at \p p: that of the same slot, where it is, as in a copy of the source; or else, of several, the one
-    /// whose normal is nearest to \p normal. Less than 0 where there is none. \param slot of the vertex that asks
+    /// The slot of the vertex at \p p: \p slot if that is there, as in a copy of the source; else, of several, the one
+    /// whose normal is nearest to \p normal; < 0: none.
     std::ptrdiff_t operator()(std::size_t slot, const Eigen::Vector3d &p, const Eigen::Vector3d &normal) const {
         if (isAt(slot, p))
             return std::ptrdiff_t(slot);
@@ -55,7 +55,7 @@ class CarryingSurface::VerticesAtPlaces {
         return slot < mesh.vert.size() && !mesh.vert[slot].IsD() && position.col(Eigen::Index(slot)) == p;
     }
     static std::uint64_t placeOf(const Eigen::Vector3d &p) {
-        const Eigen::Vector3d positive = p + Eigen::Vector3d::Zero(); // of -0, too
+        const Eigen::Vector3d positive = p + Eigen::Vector3d::Zero(); // no negative zero
         return XXH3_64bits(positive.data(), 3 * sizeof(double));
     }
     void sort() const {
@@ -103,7 +103,7 @@ int CarryingSurface::sidesTold(const MeshModel &target, const Eigen::Matrix3Xd &
 }
 
 CarriedPlace CarryingSurface::operator()(const Carried &vertex, int sides) const {
-    // Where parts touch, the nearest place may be another part's.
+    // First look for a vertex at the same position: where parts touch, the nearest place may be another part's.
     CarriedPlace found;
     found.same = (*vertices)(vertex.slot, vertex.position, vertex.normal);
     if (found.same >= 0)
@@ -156,7 +156,7 @@ void carry(const MeshModel &target, const Eigen::Affine3d &matrix, const Displac
             const Eigen::Vector3d normal = toVector(mesh.vert[i].cN());
             const Eigen::Vector3d way =
                 displacement({i, isSame ? p : to * p, isSame ? normal : to.linear() * normal}, map);
-            if (way.isZero(0)) // what is fixed keeps its bits
+            if (way.isZero(0)) // fixed vertices keep their bits
                 continue;
             position.col(Eigen::Index(i)) = p + back * way;
             linear[i] = isSame ? map : Eigen::Matrix3f((back * map.cast<double>() * to.linear()).cast<float>());

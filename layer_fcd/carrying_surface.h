@@ -15,20 +15,20 @@
 #include <vector>
 
 /// \file
-/// Layers that go along with another one, which is deformed.
+/// Carries layers along with a layer that is deformed.
 
-/// A vertex that goes along, in the coordinates of the surface.
+/// A vertex that is carried, in the coordinates of the carrying layer.
 struct Carried {
     std::size_t slot;
     Eigen::Vector3d position, normal;
 };
 
-/// The displacement of a vertex, and how space turns and stretches there.
+/// Gives the displacement of a vertex, and the linear map there.
 using Displacement = std::function<Eigen::Vector3d(const Carried &, Eigen::Matrix3f &)>;
 
-/// Where a vertex that goes along is on the surface; the same for all poses.
+/// The place of a carried vertex on the surface; the same for all poses.
 struct CarriedPlace {
-    std::ptrdiff_t same = -1; ///< slot of the vertex of the surface that it is at; less than 0: there is none
+    std::ptrdiff_t same = -1; ///< slot of the surface's vertex at the same position; < 0: none
     vcg::fcd::SurfacePlace place;
 
     Eigen::Vector3d displacement(const vcg::fcd::Carrier &carrier, const Eigen::Vector3d &position,
@@ -38,18 +38,18 @@ struct CarriedPlace {
     }
 };
 
-/// The surface of a layer at rest, which other layers go along with. Refers to the layer.
+/// The surface of a layer at rest, which carries other layers.
 class CarryingSurface {
   public:
-    /// \param position 3 x slots, at rest
+    /// \param layer must outlive this \param position 3 x slots, at rest
     CarryingSurface(const MeshModel &layer, Eigen::Matrix3Xd position);
     ~CarryingSurface();
 
-    /// Which sides the normals of \p target tell, as NearestPlace::SidesTold. \param position 3 x its slots
+    /// NearestPlace::SidesTold for the normals of \p target. \param position 3 x slots of \p target
     int sidesTold(const MeshModel &target, const Eigen::Matrix3Xd &position) const;
 
-    /// The vertex that one is at: that of the same slot, where it is, as in a copy; or else, of several, the one whose
-    /// normal is nearest to its own. Otherwise the nearest place. \param sides as sidesTold gives them
+    /// Finds the place of a vertex: the surface's vertex at the same position (that of the same slot, as in a copy, or
+    /// else the one with the nearest normal), or the nearest place. \param sides as of sidesTold
     CarriedPlace operator()(const Carried &vertex, int sides) const;
 
     const Eigen::Matrix3Xd position;
@@ -61,15 +61,16 @@ class CarryingSurface {
     std::unique_ptr<const VerticesAtPlaces> vertices;
 };
 
-/// Positions and maps of the vertices of \p target. \param matrix from the coordinates of \p displacement to the world
+/// Carries the vertices of \p target. \param matrix from the coordinates of \p displacement to the world
+/// \param position, linear out: one per vertex slot
 void carry(const MeshModel &target, const Eigen::Affine3d &matrix, const Displacement &displacement,
            const vcg::fcd::Progress &progress, Eigen::Matrix3Xd &position, std::vector<Eigen::Matrix3f> &linear);
 
-/// The box of finite positions, in the world. \param mesh whose slots they are, or null
+/// The box of the finite positions, world units. \param mesh if given, its deleted vertices do not count
 Eigen::AlignedBox3d boxOf(const Eigen::Matrix3Xd &position, const Eigen::Affine3d &matrix, const CMeshO *mesh);
 
-/// What is to be said of a layer that is far from the source, or larger, or, where \p isWhole, smaller by far; both in
-/// the world. Empty: nothing
+/// A warning about a layer that is far from the source, far larger or, if \p isWhole, far smaller; empty: none.
+/// \param here, source boxes, world units
 std::string describeSpace(const MeshModel &target, const Eigen::AlignedBox3d &here, const Eigen::AlignedBox3d &source,
                           bool isWhole);
 

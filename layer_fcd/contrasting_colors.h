@@ -11,16 +11,14 @@
 #include <cstddef>
 #include <vector>
 
-/// A colour for each of some nodes, different from its neighbours' (as far as a node with more than eleven of them
-/// allows). \param edge pairs of nodes
+/// A colour for each node, different from its neighbours' (if there are at most eleven). \param edge pairs of nodes
 inline std::vector<vcg::Color4b> contrastingColors(std::size_t nodes,
                                                    const std::vector<std::array<vcg::fcd::Index, 2>> &edge) {
-    // Twelve hues that stay apart from each other, the qualitative palette "Paired" of ColorBrewer in an order in which
-    // consecutive entries differ clearly.
+    // The qualitative palette "Paired" of ColorBrewer, in an order in which consecutive colours differ clearly.
     static const unsigned char palette[12][3] = {{31, 120, 180},  {253, 191, 111}, {51, 160, 44},   {251, 154, 153},
                                                  {106, 61, 154},  {255, 255, 153}, {166, 206, 227}, {227, 26, 28},
                                                  {178, 223, 138}, {177, 89, 40},   {202, 178, 214}, {255, 127, 0}};
-    std::vector<std::vector<std::size_t>> before(nodes); // neighbours of a smaller number
+    std::vector<std::vector<std::size_t>> before(nodes); // neighbours with a smaller number
     for (const auto &ends : edge)
         before[std::size_t(std::max(ends[0], ends[1]))].push_back(std::size_t(std::min(ends[0], ends[1])));
     std::vector<std::size_t> chosen;

@@ -23,7 +23,7 @@ DeformedCopies copyDeformation(MeshDocument &document, const CopyParam &param, c
     std::unique_ptr<const vcg::fcd::Carrier> carrier;
     std::unique_ptr<const DeformationField> field;
     Displacement displacement;
-    int sides = 0; // of the source, as the normals of the layer at hand tell them
+    int sides = 0; // CarryingSurface::sidesTold for the present layer
     Eigen::Affine3d matrix = Eigen::Affine3d::Identity();
     if (param.file.isEmpty()) {
         const Deformation &deformation = deformationOf(param.source, param.restGraph, param.deformedGraph);
@@ -53,7 +53,7 @@ DeformedCopies copyDeformation(MeshDocument &document, const CopyParam &param, c
                 describeSpace(target, boxOf(position, invertibleMatrixOf(target), &target.cm), sourceBox, true);
             !text.empty())
             made.warnings.push_back(std::move(text));
-        if (source) // a file takes points as they come, in any pieces
+        if (source) // a saved deformation goes by distance alone
             sides = source->sidesTold(target, position);
         carry(target, matrix, displacement,
               progress.Slice(0.2 + 0.8 * double(t) / double(targets.size()),

@@ -7,14 +7,14 @@
 #include <string>
 #include <vector>
 
-/// What copyDeformation made.
+/// The result of copyDeformation.
 struct DeformedCopies {
     int vertices = 0;                  ///< of all new layers
-    std::vector<std::string> warnings; ///< layers that are not where the source is, or of another size
+    std::vector<std::string> warnings; ///< about layers that lie elsewhere than the source, or have another size
 };
 
-/// Adds for each of \p targets a layer that is deformed as the source was.
-/// \throw vcg::fcd::Error when the layers are not those of one deformation, or the file cannot be read
+/// Adds a layer for each of \p targets that is deformed as the source was.
+/// \throw vcg::fcd::Error the layers are not those of one deformation, or the file cannot be read
 /// \throw vcg::fcd::Cancelled
 DeformedCopies copyDeformation(MeshDocument &document, const CopyParam &param, const std::vector<MeshModel *> &targets,
                                const Remark &remark, const vcg::fcd::Progress &progress);

@@ -3,7 +3,7 @@
 #define FCD_EDIT_HOST_H
 
 /// \file
-/// What a plugin with an editing tool is to the host, for any host; see meshlab_host.h.
+/// Base classes of plugins with editing tools, for any host; see meshlab_host.h.
 
 #include "meshlab_host.h"
 
@@ -34,7 +34,7 @@
 
 namespace host {
 
-/// Gives the graphics card the textures of a layer, which the host does for those of filters and files.
+/// Loads the textures of a layer into the graphics card, as the host does for layers of filters and files.
 inline void showTextures(GLArea &view, const MeshModel &layer) {
     if (!layer.cm.textures.empty())
         QMetaObject::invokeMethod(view.window(), "updateTexture", Qt::DirectConnection, Q_ARG(int, layer.id()));
@@ -45,25 +45,24 @@ inline void suspendEditing(GLArea &view) {
     QMetaObject::invokeMethod(view.window(), "suspendEditMode", Qt::DirectConnection);
 }
 
-/// The list of layers shows which ones have changed since they were saved.
+/// Updates the list of layers, which shows what has changed since it was saved.
 inline void showLayers(GLArea &view) {
     QMetaObject::invokeMethod(view.window(), "updateLayerDialog", Qt::QueuedConnection);
 }
 
 } // namespace host
 
-/// Base class of an editing tool for any host; the host makes one for each of its views, and never deletes it.
-///
-/// Nothing leaves a tool but by return, since an exception would end the program: the text of one goes to the log.
+/// Base class of an editing tool for any host. The host makes one for each of its views, and never deletes it. An
+/// exception would end the program, so all are caught, and their texts go to the log.
 class HostEditTool : public QObject, public FCD_EDIT_INTERFACE {
     Q_OBJECT
 
   public:
     /// Begins with the current layer. \return whether it can be edited
     virtual bool start(MeshDocument &document, GLArea *view) = 0;
-    /// Ends; may come several times, and for a layer that is not the tool's.
+    /// Ends; may be called several times, and for a layer that is not the tool's.
     virtual void end() = 0;
-    /// The current layer may be another, or the same, or none.
+    /// The current layer may have changed: it may be another one, the same, or none.
     virtual void changeLayer(MeshDocument &document, GLArea *view) = 0;
     virtual void draw() = 0;
     virtual void press(QMouseEvent *event) = 0;
@@ -72,10 +71,10 @@ class HostEditTool : public QObject, public FCD_EDIT_INTERFACE {
     virtual void turnWheel(QWheelEvent *event) = 0;
     virtual void pressKey(QKeyEvent *event) = 0;
 
-    /// Says something in the log, which renders HTML.
+    /// Writes to the log, which renders HTML.
     virtual void say(const std::string &text, bool warning = false) = 0;
 
-    /// Runs \p work; what it throws is said. \return whether it came to its end
+    /// Runs \p work; the text of an exception goes to the log. \return whether there was none
     template <class Work>
     bool guarded(const Work &work) {
         try {
@@ -99,7 +98,7 @@ class HostEditTool : public QObject, public FCD_EDIT_INTERFACE {
         return guarded([&] { started = start(document, view); }) && started;
     }
     bool FCD_EDIT_METHOD(StartEdit, startEdit)(MeshModel &, GLArea *, MLSceneGLSharedDataContext *) override {
-        return false; // the other is called
+        return false; // the host calls the other one
     }
     void FCD_EDIT_METHOD(EndEdit, endEdit)(MeshModel &, GLArea *, MLSceneGLSharedDataContext *) override {
         guarded([&] { end(); });
@@ -151,13 +150,12 @@ class HostEditPlugin : public QObject, public FCD_EDIT_PLUGIN_INTERFACE {
     std::pair<std::string, bool> getMLVersion() const override {
         return {meshlab::meshlabVersion(), meshlab::builtWithDoublePrecision()};
     }
-    EditTool *getEditTool(const QAction *action) override { return makeTool(const_cast<QAction *>(action)); } // our own
+    EditTool *getEditTool(const QAction *action) override { return makeTool(const_cast<QAction *>(action)); }
     QString getEditToolDescription(const QAction *action) override { return help(action); }
 #endif
 
   protected:
-    /// A plugin calls this in its constructor, once for each tool. An action without an icon is left out of the tool
-    /// bar.
+    /// Announces a tool; to be called in the constructor. An action without an icon is not in the tool bar.
     QAction *announce(const QIcon &icon, const QString &text) {
         auto *action = new QAction(icon, text, this);
         action->setCheckable(true);

@@ -3,7 +3,7 @@
 #define FCD_FILTER_HOST_H
 
 /// \file
-/// What a plugin with filters is to the host, for any host; see meshlab_host.h.
+/// Base class of plugins with filters, for any host; see meshlab_host.h.
 
 #include "interrupt.h"
 #include "meshlab_host.h"
@@ -34,10 +34,8 @@
 #define FCD_PLUGIN_METADATA Q_PLUGIN_METADATA(IID FILTER_PLUGIN_IID)
 #endif
 
-/// Base class of a filter plugin for any host: the pure functions below are all that a plugin has to give.
-///
-/// Nothing but what the host expects leaves a filter, since any other exception would end the program: errors reach the
-/// user as one message.
+/// Base class of a filter plugin for any host: a plugin implements the pure functions below. Any exception that the
+/// host does not expect would end the program, so all are caught; errors reach the user as one message.
 class HostFilterPlugin : public QObject,
 #ifdef FCD_MESHLAB_2020
                          public MeshFilterInterface
@@ -53,14 +51,14 @@ class HostFilterPlugin : public QObject,
 #endif
 
   public:
-    /// Name and value (int, double, float or bool; other types are lost on the way to a script).
+    /// Names and values (int, double, float or bool: scripts get no other types).
     using ReturnedValues = std::map<std::string, QVariant>;
 
     /// The parameters of filter \p id with their defaults. Cheap, and valid on a document without any layer.
     virtual RichParameterList parameters(int id, const MeshDocument &document) const = 0;
 
-    /// Runs filter \p id. \throw any exception derived from std::exception; its text is the message for the user.
-    /// Leaves the document as it was when it throws.
+    /// Runs filter \p id. \throw any std::exception: its text is the message for the user, and the document is as it
+    /// was
     virtual ReturnedValues run(int id, const RichParameterList &parameters, MeshDocument &document,
                                vcg::CallBackPos *callback) = 0;
 
@@ -70,14 +68,14 @@ class HostFilterPlugin : public QObject,
     /// Bits of FilterClass: the menus that show filter \p id.
     virtual FilterClass menus(int id) const = 0;
 
-    /// Bits of MeshModel::MeshElement: what filter \p id changes in the current layer, MM_NONE where it does not.
+    /// Bits of MeshModel::MeshElement: what filter \p id changes in the current layer; MM_NONE: nothing.
     virtual int changes(int id) const = 0;
 
     /// Name of the plugin.
     virtual QString name() const = 0;
 
   protected:
-    /// Announces the filters; a plugin calls this once, in its constructor.
+    /// Announces the filters; to be called once, in the constructor.
     void announce(std::initializer_list<int> ids) {
         for (int id : ids) {
             typeList.push_back(id);
@@ -101,7 +99,7 @@ class HostFilterPlugin : public QObject,
     }
 
   private:
-    /// Runs \p work. Returns an empty text, or what went wrong.
+    /// Runs \p work. \return an empty text, or the error
     static QString errorOf(const std::function<void()> &work) {
         QString error;
         try {
@@ -119,8 +117,7 @@ class HostFilterPlugin : public QObject,
         return error.isEmpty() ? QString("Unknown error.") : error;
     }
 
-    /// A message as the window shows it, which is HTML: parameters by the names that they have there, scripts' names
-    /// left out.
+    /// A message as HTML for the window: parameters have their labels instead of their names in scripts.
     static QString forWindow(const QString &message, const RichParameterList &list) {
         QString text = message.toHtmlEscaped();
         text.remove(QRegularExpression(" \\((generate|compute|apply|save|clear)_[a-z_]+\\)"));
@@ -128,7 +125,7 @@ class HostFilterPlugin : public QObject,
         for (const RichParameter &parameter : list) {
             const QString label = "<i>" + parameter.fieldDescription() + "</i>";
             text.replace("'" + parameter.name() + "'", label);
-            // Other names are words that a sentence may hold.
+            // Other names may be words of the sentence.
             if (!parameter.name().contains('_') && parameter.name() != "transforms" &&
                 parameter.name() != "TransformMatrix")
                 continue;
@@ -146,7 +143,8 @@ class HostFilterPlugin : public QObject,
     }
 
 #ifdef FCD_MESHLAB_2020
-    /// The window writes to its script the layers that a dialog had when it opened: here, those that were chosen.
+    /// Corrects the layers in the window's script: the window writes those of the dialog's opening, not the chosen
+    /// ones.
     static void nameLayersInScript(FilterScript &script, const MeshDocument &document, const QString &filter) {
         if (script.isEmpty() || script.last().first != filter)
             return;
@@ -183,7 +181,7 @@ class HostFilterPlugin : public QObject,
             }
             return errorMessage.isEmpty();
         }
-        // This host does not return values, and meshlabserver does not print error messages: tell both.
+        // This host does not return values, and meshlabserver does not print error messages: log both.
         for (const auto &value : values)
             logLine(value.first + " = " + value.second.toString().toStdString());
         if (!errorMessage.isEmpty())

@@ -56,10 +56,10 @@ vcg::fcd::CentroidalGraph addGraphLayers(MeshDocument &document, MeshModel &laye
     if (param.patchesLayer) {
         MeshModel &patches = layers.addPatches("patches", graph.patchOf, colorsOf(graph.geometry));
         if (host::inWindow() && layer.cm.fn > 0)
-            patches.clearDataMask(MeshModel::MM_VERTCOLOR); // which it would show, with borders that are blurred
+            patches.clearDataMask(MeshModel::MM_VERTCOLOR); // which would be shown instead, with blurred borders
     }
     layers.keep(layer, adding);
-    if (host::inWindow()) { // one sees what one asked for
+    if (host::inWindow()) { // show the result
         host::setVisible(layer, !param.patchesLayer);
         host::setVisible(nodes, !param.surfaceLayer);
         host::showChanges(document);
@@ -81,7 +81,7 @@ MeshModel &NewLayers::addGraphSurface(const QString &what, const vcg::fcd::Graph
                                                                      (2 * edges + std::size_t(along + 1) * nodes));
     auto face =
         vcg::tri::Allocator<CMeshO>::AddFaces(mesh, std::size_t(2 * around) * (edges + std::size_t(along) * nodes));
-    // Rings about the line through centre along axis, at heights and with radii as given, joined to the next one.
+    // Rings about the line through center along axis, each joined to the next one; at(ring): height and radius.
     const auto addRings = [&](const Eigen::Vector3d &center, const Eigen::Vector3d &axis, int rings, const auto &at,
                               const vcg::Color4b &color) {
         const Eigen::Vector3d u = axis.unitOrthogonal(), v = axis.cross(u);

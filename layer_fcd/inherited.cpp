@@ -12,8 +12,7 @@
 
 namespace {
 
-/// For each vertex slot of \p mesh, the slot in \p rest of the vertex that it is a copy of; empty unless all are
-/// copies.
+/// For each vertex slot of \p mesh, the slot in \p rest of its original; empty unless all are copies.
 std::vector<std::size_t> copiedSlots(const CMeshO &mesh, const RestState &rest) {
     std::vector<std::size_t> from;
     std::size_t next = 0;
@@ -24,13 +23,13 @@ std::vector<std::size_t> copiedSlots(const CMeshO &mesh, const RestState &rest) 
             ++next;
         if (next == rest.vertex.size())
             return {};
-        from.resize(mesh.vert.size()); // not before one is: each pose asks this of all layers
+        from.resize(mesh.vert.size()); // late, since each pose asks this of all layers
         from[i] = next++;
     }
     return from;
 }
 
-/// What \p shape says of the vertices that copies were made of.
+/// The part of \p shape for copies. \param from slot of each copy's original
 Shape copyOf(const Shape &shape, const std::vector<std::size_t> &from) {
     Shape copy;
     copy.position.reserve(from.size());
@@ -85,8 +84,8 @@ bool handDownRest(const MeshDocument &document, const LayerState &state) {
 
 namespace {
 
-/// The vertices of a tagged layer by the places where they were: when it was tagged, and after its last pose, in the
-/// layer and in the world, into which a host merges.
+/// Finds the vertices of a tagged layer by their positions: when it was tagged and after its last pose, in layer and in
+/// world coordinates, since hosts merge layers in the world.
 class TaggedPlaces {
   public:
     explicit TaggedPlaces(const LayerState &state) : state(state), scan(*state.scan) {
@@ -99,8 +98,8 @@ class TaggedPlaces {
 
     const KeptScan &kept() const { return scan; }
 
-    /// The number of the vertex whose place, and whose tag's colour or quality, \p vertex has: of several, the next one
-    /// after that which was found last. 0: none.
+    /// The number of the tagged vertex with the position, and with the tag's colour or quality, of \p vertex; of
+    /// several, the next one after the last found. 0: none.
     std::uint32_t find(const CVertexO &vertex) {
         const std::uint32_t color = numberOf(vertex.cC());
         if (scan.color && !std::binary_search(colors.begin(), colors.end(), color))
@@ -144,7 +143,7 @@ class TaggedPlaces {
     const LayerState &state;
     const KeptScan &scan;
     std::vector<std::uint32_t> colors;                           ///< of tags, ascending
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> places; ///< and numbers, ascending; as well
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> places; ///< positions and numbers, ascending
     std::uint32_t last = 0;
 };
 

@@ -8,21 +8,21 @@
 #include <vector>
 
 /// \file
-/// A host that merges, splits or duplicates layers copies where their vertices are, and the colours and the quality of
-/// tags. What the vertices were at rest, and what the tags stand in the place of, is known by the layers that they come
-/// from.
+/// Inheritance of states. If a host merges, splits or duplicates layers, it copies positions of vertices, and colours
+/// and quality of tags. Rest shapes, and the colours and quality before tagging, come from the states of the original
+/// layers.
 
-/// The rest shapes of \p layer where its vertices are some of another layer, in the order that these have there, and
-/// where the last pose of that one left them; none otherwise, or where no shape is another than the present one.
+/// The rest shapes of \p layer, if its vertices are copies of another layer's, in their order there, and where the last
+/// pose left them. None otherwise, or if no shape differs from the present one.
 /// \param others the states of other layers
 std::optional<RestState> inheritedRest(const MeshModel &layer, const std::vector<const LayerState *> &others);
 
-/// What is kept for the vertices of \p layer that are at the places of vertices of other layers, and have the colours
-/// or the quality of their tags; none where there is none. \param sources the states of these others
+/// What is kept aside for those vertices of \p layer that have positions, and colours or quality of the tags, of other
+/// layers' vertices; none if there are none. \param sources the states of other layers
 std::optional<KeptScan> inheritedScan(const MeshModel &layer, const std::vector<const LayerState *> &sources);
 
-/// Layers of \p document that have none of what \p state keeps get what inherit(layer) gives, none where it is none.
-/// \return whether there are any
+/// Gives inherit(layer) to the layers of \p document that have no such part (\p kept) of a state. \param state of the
+/// layer that they may inherit from \return whether a layer got something
 template <class Kept, class Inherit>
 bool handDown(const MeshDocument &document, const LayerState &state, std::optional<Kept> LayerState::*kept,
               const Inherit &inherit) {
@@ -36,14 +36,14 @@ bool handDown(const MeshDocument &document, const LayerState &state, std::option
     return isGiven;
 }
 
-/// Before the layer of \p state goes, or its vertices move: those of \p document that inherit its rest shapes have
-/// them. \return whether there are any that had none
+/// Call it before the layer of \p state is deleted, or its vertices move: layers that inherit its rest shapes get them.
+/// \return whether a layer got them
 bool handDownRest(const MeshDocument &document, const LayerState &state);
 inline void handDownRest(const MeshDocument &document, const MeshModel &layer) {
     if (const LayerState *state = LayerState::of(layer))
         handDownRest(document, *state);
 }
-/// The same before the layer goes, or its tags, of what is kept.
+/// Call it before the layer, or its tags, are deleted: the same for colours and quality that are kept aside.
 bool handDownScan(const MeshDocument &document, const LayerState &state);
 
 #endif

@@ -3,7 +3,7 @@
 
 #ifdef _WIN32
 
-// A C library of its own holds Python's handler there, and the console's own thread calls it.
+// On Windows, Python's handler is in another C library, and the console's own thread calls it.
 static vcg::CallBackPos *toHost;
 Interruptible::Interruptible(vcg::CallBackPos *callback) { toHost = callback; }
 Interruptible::~Interruptible() = default;

@@ -4,9 +4,9 @@
 
 #include <vcg/complex/complex.h> // vcg::CallBackPos
 
-/// Lets Ctrl-C (SIGINT) end a filter of a script, while it is there: Python only notes the signal, and looks at its
-/// note when the filter is done. The handler that was there still gets it. Where none was, the signal ends the program,
-/// as ever. One at a time.
+/// Lets Ctrl-C (SIGINT) cancel a filter of a script while this object exists: Python only notes the signal, and looks
+/// again when the filter is done. The former handler still gets the signal; without one, the signal ends the program,
+/// as ever. There may be one object at a time.
 class Interruptible {
   public:
     explicit Interruptible(vcg::CallBackPos *callback);
@@ -14,7 +14,7 @@ class Interruptible {
     Interruptible(const Interruptible &) = delete;
     Interruptible &operator=(const Interruptible &) = delete;
 
-    /// What the host wants to be called, if anything, but false once a signal has come, too.
+    /// The host's callback, if any, that also returns false once a signal has come.
     vcg::CallBackPos *callback() const;
 
   private:

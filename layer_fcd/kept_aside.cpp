@@ -16,13 +16,13 @@ namespace {
 
 using Quality = CVertexO::QualityType;
 
-/// What is kept of a layer, null where nothing is.
+/// What is kept aside for a layer; null: nothing.
 KeptScan *scanOf(const MeshModel &layer) {
     LayerState *state = LayerState::of(layer);
     return state && state->scan ? &*state->scan : nullptr;
 }
 
-/// What is kept of \p layer, or of the one that it comes of; empty: nothing is. \param found has the latter
+/// What is kept aside for \p layer, or for its original; null: nothing. \param found out: the latter
 const KeptScan *keptOf(const MeshDocument &document, const MeshModel &layer, std::optional<KeptScan> &found) {
     if (const KeptScan *scan = scanOf(layer))
         return scan;

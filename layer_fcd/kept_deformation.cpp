@@ -8,7 +8,7 @@ using vcg::fcd::Error;
 
 namespace {
 
-/// Whether \p layer has, in memory, the shape that was deformed; otherwise it may have it at rest.
+/// Whether \p layer has the shape that was deformed; otherwise that may be its rest shape.
 bool isAsDeformed(const MeshModel &layer, const Deformation &deformation) {
     return shapeOf(layer.cm) == deformation.shape;
 }
@@ -33,7 +33,7 @@ const Deformation &deformationOf(MeshModel *source, const MeshModel *restGraph, 
                     "(generate_fcd_deformed_mesh) made in this session, with 'Add graph layers': layers that "
                     "are saved and loaded lose it. Deform the source again; to keep a deformation, use 'FCD: Save "
                     "Deformation' (save_fcd_deformation), and give its deformation_file.");
-    const Deformation &deformation = *found; // which the document keeps
+    const Deformation &deformation = *found; // the document owns it
     const CMeshO &mesh = source->cm;
     const bool isThere = isAsDeformed(*source, deformation) ||
                          (RestShape::exists(*source) && RestShape(*source).shape() == deformation.shape);

@@ -11,7 +11,7 @@
 std::optional<GraphState> graphOf(const MeshDocument &document, const MeshModel &layer) {
     if (const std::optional<GraphState> &own = LayerState::known(layer).graph)
         return own;
-    std::optional<std::uint64_t> shape; // not before it is needed
+    std::optional<std::uint64_t> shape; // computed if needed
     for (const LayerState *other : LayerState::ofOthers(document, layer))
         if (other->graph && layer.cm.fn == 0) {
             shape = shape ? shape : shapeOf(layer.cm);
@@ -36,7 +36,7 @@ const MeshModel *likelyGraph(const MeshDocument &document, bool isDeformed) {
         const std::optional<GraphState> graph = graphOf(document, *layer);
         const bool isDeformedGraph = graph ? graph->isDeformed : layer->label().contains(deformed);
         const bool isOfCurrent = graph && document.mm() && graph->source == document.mm()->id();
-        // What holds no deformation is a copy of what does, or was loaded.
+        // A deformed graph without a deformation is a copy, or was loaded.
         const int rank = 1 + 2 * isOfCurrent + (isDeformed && LayerState::known(*layer).deformation);
         if ((graph || layer->label().contains(any)) && isDeformedGraph == isDeformed && rank >= best) {
             found = layer;

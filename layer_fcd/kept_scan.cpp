@@ -66,8 +66,8 @@ KeptVertices::KeptVertices(const MeshModel &layer, const KeptScan &scan)
             points.push_back(move ? *move * toVector(each.place) : toVector(each.place));
         tree = std::make_unique<vcg::fcd::PointTree<double>>(points);
     }
-    // Another filter may compute other tags: whole numbers, none larger than before, or half of those above 0
-    // unchanged. Any other quality, as a number of things, stays.
+    // Is the new quality other tags, of another filter? These are whole numbers, none larger than before, or half of
+    // those above 0 unchanged. Any other quality, as a count of something, stays.
     const auto number = [&](const auto &is) {
         return sumOfVertices(mesh, [&](std::size_t i) { return isOld(i) && is(vertexOf(i).tag, mesh.vert[i].cQ()); });
     };
@@ -79,7 +79,7 @@ KeptVertices::KeptVertices(const MeshModel &layer, const KeptScan &scan)
                    number([](int tag, double) { return tag > 0; }));
 }
 
-/// The affine map by which something has moved all of those that were tagged, where it is one.
+/// The affine map by which something has moved all vertices that were tagged; none: they were not moved alike.
 std::optional<Eigen::Affine3d> KeptVertices::moveOfAll() const {
     std::vector<Eigen::Vector3d> from, to;
     for (std::size_t i = 0; i < mesh.vert.size(); ++i)
@@ -93,7 +93,7 @@ std::optional<Eigen::Affine3d> KeptVertices::moveOfAll() const {
 std::vector<KeptVertices::Near> KeptVertices::nearTo(std::size_t i) const {
     const Eigen::Vector3d p = toVector(mesh.vert[i].cP());
     std::vector<vcg::fcd::PointTree<double>::Neighbour> found;
-    tree->Nearest(p, 4, found); // as many as the corners of the two triangles at an edge
+    tree->Nearest(p, 4, found); // two triangles at an edge have four corners
     double span = 0, least = std::numeric_limits<double>::infinity(), sum = 0;
     for (const auto &a : found) {
         least = std::min(least, a.square);
@@ -101,7 +101,7 @@ std::vector<KeptVertices::Near> KeptVertices::nearTo(std::size_t i) const {
             span = std::max(span, (points[std::size_t(a.point)] - points[std::size_t(b.point)]).squaredNorm());
     }
     std::vector<Near> near;
-    if (!(least <= span)) // it lies beside them, not between
+    if (!(least <= span)) // it does not lie between them
         return near;
     for (const auto &each : found) {
         near.push_back({std::size_t(each.point), 1 / std::max(each.square, 1e-12 * span)});

@@ -11,18 +11,18 @@
 #include <optional>
 #include <vector>
 
-/// A number for a colour.
+/// A colour as a number.
 std::uint32_t numberOf(const vcg::Color4b &color);
 
-/// What is kept of the vertices that a layer has now. Where vertices and faces are not those that were tagged, a vertex
-/// is one of these if all were moved alike, or it is no farther from its place, or from where a pose left it, than half
-/// its longest edge: something that makes all vertices anew leaves them the numbers of others.
+/// What is kept aside for the present vertices of a layer. If the mesh has changed since tagging, a vertex is
+/// recognised if all were moved alike, or if it is within half its longest edge of its position when tagged, or after a
+/// pose. (Filters that make all vertices anew leave them the numbers of others.)
 class KeptVertices {
   public:
     /// \param scan of the layer, which must outlive this
     KeptVertices(const MeshModel &layer, const KeptScan &scan);
 
-    /// Whether a vertex is one of those that were tagged.
+    /// Whether a vertex is one that was tagged.
     bool isOld(std::size_t i) const { return isKnown[i] != 0; }
     /// The colour of its tag.
     std::uint32_t tagColor(std::size_t i) const { return isOld(i) ? vertexOf(i).tagColor : 0; }
@@ -31,10 +31,10 @@ class KeptVertices {
         return isOld(i) && vertexOf(i).hasColor && vertexOf(i).tagColor == numberOf(mesh.vert[i].cC());
     }
     bool isQualityTag(std::size_t i) const { return areTags && isOld(i) && vertexOf(i).hasQuality(); }
-    /// The colour before tagging, of a vertex that has the colour of its tag. A new vertex with a mixture of such
-    /// colours gets what was at its place, if the layer still has the shape in which it was tagged.
+    /// The colour before tagging of a vertex that has the colour of its tag. A new vertex with a mixture of tags'
+    /// colours gets the colour at its position, if the layer still has the shape in which it was tagged.
     std::optional<vcg::Color4b> color(std::size_t i) const;
-    /// The same, of the quality.
+    /// The same for the quality.
     std::optional<CVertexO::QualityType> quality(std::size_t i) const;
 
   private:
@@ -49,7 +49,7 @@ class KeptVertices {
     const KeptScan &scan;
     const CMeshO &mesh;
     std::vector<char> isKnown;
-    std::vector<Eigen::Vector3d> points; ///< kept places, where something is new
+    std::vector<Eigen::Vector3d> points; ///< positions when tagged, if there are new vertices
     std::unique_ptr<vcg::fcd::PointTree<double>> tree;
     bool areTags;
 };

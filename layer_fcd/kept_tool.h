@@ -8,17 +8,17 @@
 #include <string>
 
 /// \file
-/// What the tools FCD: Bend and FCD: Fit know of a layer besides its marks and poses, while they are elsewhere.
+/// The settings of the tools FCD: Bend and FCD: Fit for a layer, besides marks and poses, while they edit another
+/// layer.
 
-/// The layer is as the tool leaves it. \param text what the tool knows, for itself; empty: nothing \param isPosed it
-/// has the pose that this makes of its rest shape; else its shape is what this begins from
+/// Keeps the settings of FCD: Bend as it leaves \p layer. \param text its settings (bend_text.h); empty: none
+/// \param isPosed whether the layer has the pose of \p text; else it has the shape that the pose begins from
 void keepTool(const MeshDocument &document, MeshModel &layer, std::string text, bool isPosed);
 
-/// Null where the tool knows nothing, or something else has changed the shape or the matrix of the layer since.
+/// The settings of FCD: Bend; null if there are none, or if the layer's shape or matrix was changed since.
 std::shared_ptr<const ToolState> toolOf(const MeshModel &layer);
 
-/// What a layer shows of the fit by which the tool left it; Rest where something else has changed the shape or the
-/// matrix since.
+/// The shape that FCD: Fit left the layer in; Rest if its shape or matrix was changed since.
 FitShape fitShownBy(const MeshModel &layer);
 
 #endif

@@ -13,7 +13,7 @@ using vcg::fcd::SurfaceView;
 
 namespace {
 
-/// The positions of \p view, in the world.
+/// The positions of \p view, world units.
 Eigen::Matrix3Xd inWorld(const SurfaceView &view, const Eigen::Affine3d &world) {
     Eigen::Matrix3Xd position = view.Copy();
     ParallelFor(0, view.vertexSlots, 1 << 14, [&](std::size_t first, std::size_t last) {
@@ -49,7 +49,7 @@ CompensatedLayers compensateLayer(MeshDocument &document, MeshModel &layer, cons
     ParallelFor(0, view.vertexSlots, 1 << 10, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
             const Eigen::Vector3d from = at.col(Eigen::Index(i)), to = way.position.col(Eigen::Index(i));
-            if (!linear.empty()) // what lies beyond the part stays
+            if (!linear.empty()) // vertices outside of the part stay
                 linear[i] = to == from ? Eigen::Matrix3f::Identity().eval()
                                        : (back.linear() * way.LinearAt(to) * world.linear()).cast<float>().eval();
             if (to != from)

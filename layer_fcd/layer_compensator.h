@@ -8,19 +8,18 @@
 
 #include <string>
 
-/// What FCD: Compensate did. Lengths are in world units.
+/// The result of FCD: Compensate. Lengths are in world units.
 struct CompensatedLayers {
     vcg::fcd::CompensateReport report;
     double seconds = 0;
 };
 
-/// FCD: Compensate: what to print so that \p layer, the nominal part, comes out; the result is in a new layer.
-/// \param remark may be empty
-/// \throw vcg::fcd::Error each message says what to do \throw vcg::fcd::Cancelled; the document is then as it was
+/// FCD: Compensate: adds a layer with the shape to print so that \p layer, the nominal part, comes out.
+/// \param remark may be empty \throw vcg::fcd::Error, vcg::fcd::Cancelled; the document is then as it was
 CompensatedLayers compensateLayer(MeshDocument &document, MeshModel &layer, const CompensateLayerParam &param,
                                   const Remark &remark, const vcg::fcd::Progress &progress);
 
-/// What became of a layer, in words.
+/// The result in words, for the log.
 std::string describe(const CompensatedLayers &made);
 
 #endif

@@ -9,7 +9,7 @@
 
 namespace {
 
-/// What elements have, as numbers.
+/// The contents of elements, as bytes to hash.
 class ContentBytes : public NumberBytes {
   public:
     template <class Vector>
@@ -29,7 +29,7 @@ class ContentBytes : public NumberBytes {
     std::uint64_t hash(std::uint64_t seed) const { return XXH3_64bits_withSeed(data(), size(), seed); }
 };
 
-/// A number for elements: add(element, bytes) tells of one that is live.
+/// A hash of the live elements. \param add add(element, bytes): adds the contents of one
 template <class Elements, class Add>
 std::uint64_t elementsSum(const Elements &elements, std::uint64_t seed, const Add &add) {
     return sumOf(elements.size(), [&](std::size_t first, std::size_t last) {
@@ -43,7 +43,7 @@ std::uint64_t elementsSum(const Elements &elements, std::uint64_t seed, const Ad
     });
 }
 
-/// Adds the values of an attribute that is of one of these types.
+/// Adds the values of an attribute if it has one of these types.
 template <class... Plain>
 void addValues(const vcg::PointerToAttribute &attribute, std::size_t count, ContentBytes &bytes) {
     if (count > 0 && (host::isOfType<Plain>(attribute) || ...))

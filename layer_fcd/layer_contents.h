@@ -20,9 +20,9 @@
 #include <vector>
 
 /// \file
-/// What a layer has.
+/// The contents of a layer. "A number for ..." is a hash.
 
-/// body(i) for each live vertex, by all threads.
+/// Calls body(i) for each live vertex, by all threads.
 template <class Body>
 void forVertices(const CMeshO &mesh, const Body &body) {
     vcg::fcd::ParallelFor(0, mesh.vert.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
@@ -32,7 +32,7 @@ void forVertices(const CMeshO &mesh, const Body &body) {
     });
 }
 
-/// The sum over ranges of n items, by all threads: range(first, last) gives that of one.
+/// The sum of range(first, last) over the ranges of n items, by all threads.
 template <class Range>
 std::uint64_t sumOf(std::size_t n, const Range &range) {
     const std::size_t grain = 1 << 14;
@@ -76,8 +76,8 @@ class NumberBytes {
     std::vector<unsigned char> bytes;
 };
 
-/// How far a coordinate that a host moved may be off, of the numbers that it is the sum of: a host multiplies and adds
-/// four, each rounded, those of the matrix, too; and a person may turn a layer some times.
+/// The rounding error of a coordinate that a host moved, over the numbers that it is the sum of: a host multiplies and
+/// adds four numbers, and a user may turn a layer several times.
 constexpr double layerRounding = 32. * std::numeric_limits<Scalarm>::epsilon();
 
 /// The slots of the vertices that are not deleted, ascending.
@@ -90,7 +90,7 @@ Eigen::Matrix3Xd positionsOf(const MeshModel &layer);
 std::uint64_t facesOf(const CMeshO &mesh);
 std::uint64_t facesOf(const vcg::fcd::SurfaceView &surface);
 
-/// How many bytes a file may have that holds at most \p each for a vertex of \p layer, and comments.
+/// The largest size of a file with at most \p each bytes a vertex of \p layer, and comments.
 std::size_t mostBytes(const MeshModel &layer, std::size_t each);
 
 /// Whether each slot of the layer's vertex vector belongs to a selected face.
@@ -103,9 +103,9 @@ std::uint64_t qualityOf(const CMeshO &mesh);
 /// A number for their normals.
 std::uint64_t normalsOf(const CMeshO &mesh);
 
-/// A number for all that a person can see or change of \p layer: matrix, elements and their positions, corners,
-/// colours, quality and texture coordinates, normals of a cloud, names of textures, attributes with their values. Those
-/// of a mesh, which a host computes anew, are left out: hasOwnNormals tells of others.
+/// A number for all that a user can see or change in \p layer: matrix, elements and their positions, corners, colours,
+/// quality and texture coordinates, normals of a cloud, names of textures, attributes with their values. (Not the
+/// normals of a mesh, which a host computes again; see hasOwnNormals.)
 std::uint64_t contentsOf(const MeshModel &layer);
 
 /// Whether \p layer has normals of its own (hasOwnNormals), or principal directions, which turn with the surface.

@@ -30,7 +30,7 @@ LayerDeformer::LayerDeformer(MeshDocument &document, MeshModel &layer, PreparedL
 
 // --- the steps ---
 
-/// Once for each deformation that works on arrays.
+/// Reads the surface into arrays, once.
 void LayerDeformer::readSurface() {
     if (rest)
         surface = vcg::tri::ReadSurface(layer.cm, {}, [this](std::size_t slot) { return rest[slot]; });
@@ -63,7 +63,7 @@ bool LayerDeformer::prepare(std::uint64_t faces, const DeformerParam &param, con
     return true;
 }
 
-/// The same where the surface has been read.
+/// Prepares the deformer for a surface that has been read.
 void LayerDeformer::prepareRead(const vcg::fcd::SurfaceView &read, const DeformerParam &param,
                                 const Progress &progress) {
     const PreparedLayers::Key key = PreparedLayers::keyOf(read, handles, param);
@@ -72,9 +72,10 @@ void LayerDeformer::prepareRead(const vcg::fcd::SurfaceView &read, const Deforme
         found = preparedLayers.add(key, document, number, read, handles, param, progress);
 }
 
-/// Prepares it with the vertices of a layer as nodes, or, where these are the nodes of the graph that is made without
-/// them, with that graph, which has its patches, too. \param param its nodes are set when they are used
-/// \param nodes how many the layer has, out \return whether the graph is that one
+/// Prepares the deformer with the vertices of a graph layer as nodes. If these are the nodes that the parameters make
+/// anyway, it is prepared without them, and has the patches of that graph, too.
+/// \param param out: its nodes are set if they are used \param nodes out: number of vertices of the layer
+/// \return whether the graph is that of the parameters
 bool LayerDeformer::prepareWithNodesOf(const MeshModel *graph, DeformationParam &param, const Progress &progress,
                                        vcg::fcd::Index &nodes) {
     DeformationParam given = param;
@@ -85,7 +86,7 @@ bool LayerDeformer::prepareWithNodesOf(const MeshModel *graph, DeformationParam 
         prepareRead(surface.View(), param, progress);
         return false;
     }
-    // Where that is known, the other graph is not prepared once more.
+    // Do not prepare again if it is known that the nodes are others.
     found = preparedLayers.find(PreparedLayers::keyOf(surface.View(), handles, given));
     if (!found || !found->isOfOthers) {
         prepareRead(surface.View(), param, progress);
@@ -160,12 +161,12 @@ DeformedLayers LayerDeformer::deform(DeformMeshParam param, bool replaceEarlier,
     std::vector<MeshModel *> earlier;
     if (replaceEarlier)
         earlier = earlierResults(document, layer);
-    earlier.erase(std::remove(earlier.begin(), earlier.end(), param.graphLayer), earlier.end()); // may be used again
+    earlier.erase(std::remove(earlier.begin(), earlier.end(), param.graphLayer), earlier.end()); // it is being used
     made.replaced = int(earlier.size());
     NewLayers layers(document, layer, remark, earlier);
     static const std::vector<float> none;
     std::vector<float> depth = std::move(result.contact.depth);
-    if (depth.empty()) // then nothing is in contact
+    if (depth.empty()) // there is no contact
         depth.assign(std::size_t(result.position.cols()), 0);
     made.layers = layers.addResult("deformed", result,
                                    param.quality == DeformMeshParam::Stretch    ? result.stretch
@@ -176,14 +177,14 @@ DeformedLayers LayerDeformer::deform(DeformMeshParam param, bool replaceEarlier,
     if (param.displacement)
         layers.addDisplacement(*made.layers.back(), result.position);
     layers.keep(*made.layers.back(), adding);
-    if (inWindow) // one sees what one asked for, and the next try takes its place
+    if (inWindow) // show the result, which the next try replaces
         showResult(document, layer, made.layers);
     return made;
 }
 
 // --- FCD: Pose in Place ---
 
-/// Of the posed layer.
+/// The contact of the posed layer.
 vcg::fcd::SurfaceContact LayerDeformer::contactNow(const DeformerParam &param) const {
     const Point3m *atRest = RestShape(layer).positions();
     const vcg::fcd::SurfaceArrays read =
@@ -220,9 +221,9 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
     result.way = pose.way;
     result.secondsSolve = watch.Seconds();
 
-    progress(1, "Done"); // except what cannot be cancelled
+    progress(1, "Done"); // the rest cannot be cancelled
     watch = {};
-    try { // to have all the memory that it takes, before the first vertex is moved
+    try { // allocates all memory before the first vertex is moved
         if (isFirst)
             RestShape::keep(document, layer);
         else

@@ -40,7 +40,7 @@ LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam 
           FitMeshParam fit = asked;
           if (!rest)
               fit.fit.linear = hasDirections(layer);
-          // What tells the weights tells no tags.
+          // An attribute or quality with weights holds no tags.
           const bool isTold =
               fit.weights == FitMeshParam::WeightsQuality
                   ? fit.handles.source == HandleParam::Quality && !hasMarks(layer)
@@ -51,7 +51,7 @@ LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam 
           return fit;
       }()),
       name(inQuotes(layer)) {
-    const MeshModel *target = nullptr; // landmarks alone need none
+    const MeshModel *target = nullptr; // null: landmarks only
     if (param.target || !param.landmarksOnly) {
         target = &checkedTarget(layer, param.target, "target_layer");
         targetName = inQuotes(*target);
@@ -109,7 +109,7 @@ FittedSurface LayerFit::solve(bool measured, const Progress &progress) && {
     fitted.landmarksOnly = param.landmarksOnly;
 
     std::shared_ptr<const vcg::fcd::FitTarget> target;
-    const double first = param.leaveOneOut ? 0.55 : 0.8; // then the fits without one landmark each
+    const double first = param.leaveOneOut ? 0.55 : 0.8; // share of the fit; the rest are those without one landmark
     if (param.landmarksOnly) {
         result.pose = fitter->Follow(landmarks, fitted.report, progress.Slice(0.4, first));
         if (param.leaveOneOut)
@@ -128,7 +128,7 @@ FittedSurface LayerFit::solve(bool measured, const Progress &progress) && {
         throw Error("Nothing of " + name + " has a counterpart on " + targetName +
                     ". Lay the layers onto each other first, or raise largest_distance or largest_angle.");
     if (!measured)
-        target = nullptr; // as large as what follows
+        target = nullptr; // frees as much memory as the rest needs
     result.converged = fitted.report.converged;
     result.position = view.Copy();
     vcg::fcd::CarryPose(view, normal, handles, deformer, param.fit, progress.Slice(0.8, 0.85), result);

@@ -8,7 +8,7 @@
 
 namespace {
 
-/// The label without what is, or looks like, the extension of a file.
+/// The label without the extension of a file, or what looks like one.
 QString nameOf(const MeshModel &layer) {
     QString name = layer.label().trimmed();
     name.remove(QRegularExpression("\\.[A-Za-z][A-Za-z0-9]{0,4}$"));

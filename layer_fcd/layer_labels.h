@@ -8,32 +8,31 @@
 #include <string>
 #include <vector>
 
-/// 'NAME', as messages name layers and files.
+/// 'NAME', for messages.
 std::string inQuotes(const QString &name);
 std::string inQuotes(const MeshModel &layer);
 
-/// The path of a file as the system has it, for what reads it.
+/// The path of a file in the system's encoding.
 std::string pathOf(const QString &file);
 
-/// The layer that another one is laid onto. \param parameter names it
+/// The target, for the layer that is fitted to it. \param parameter that names it, for messages
 /// \throw vcg::fcd::Error there is none, it is \p layer itself, or it has no vertices
 const MeshModel &checkedTarget(const MeshModel &layer, const MeshModel *target, const std::string &parameter);
 
-/// The first layer with that label, and vertices, besides \p layer; null where there is none.
+/// The first layer with that label, and vertices, besides \p layer; null: none.
 const MeshModel *layerNamed(const std::string &label, const MeshDocument &document, const MeshModel &layer);
 
 /// "1 ONE", or "3 MANY".
 std::string counted(std::size_t count, const std::string &one, const std::string &many);
 
-/// "3 triangles are flipped", as the logs of the filters begin a warning.
+/// "3 triangles are flipped", the begin of a warning.
 std::string trianglesFlipped(std::size_t count);
 
-/// What a layer is called that is made from \p base: "NAME what"; "NAME what 2" where \p base is "NAME deformed", and
-/// so on.
+/// The label of a layer that is made from \p base: "NAME what"; "NAME what 2" if \p base is "NAME deformed", and so on.
 QString labelOf(const MeshModel &base, const QString &what);
 
-/// \p label, or "LABEL(n)" where a layer that is not among \p but has it. MeshLab does so too, but takes a dot for the
-/// beginning of an extension.
+/// \p label, or "LABEL(n)" if a layer that is not among \p but has it. (MeshLab's own function takes a dot for the
+/// begin of an extension.)
 QString unusedLabel(const MeshDocument &document, const QString &label, const std::vector<MeshModel *> &but);
 
 #endif

@@ -20,7 +20,7 @@ namespace {
 
 std::array<std::uint8_t, 4> toArray(const vcg::Color4b &color) { return {color[0], color[1], color[2], color[3]}; }
 
-/// Whether there is something to see: hosts give a layer white where they have nothing.
+/// Whether the elements have colours: hosts make elements white if there are none.
 template <class Elements>
 bool areColors(const Elements &elements, const ElementColors &colors) {
     for (std::size_t i = 0; i < colors.size(); ++i)
@@ -29,9 +29,9 @@ bool areColors(const Elements &elements, const ElementColors &colors) {
     return false;
 }
 
-/// The file of a texture: beside that of the layer, or from the current directory. Empty: there is none.
+/// The file of a texture: beside the layer's file, or in the current directory. Empty: none.
 QString fileOf(const MeshModel &layer, const QString &name) {
-    const QString beside = QFileInfo(layer.fullName()).absoluteDir().filePath(name); // itself, where it is absolute
+    const QString beside = QFileInfo(layer.fullName()).absoluteDir().filePath(name); // name, if it is absolute
     for (const QString &path : {beside, name})
         if (QFileInfo(path).isFile())
             return path;
@@ -51,7 +51,7 @@ TextureImage textureOf(const MeshModel &layer, const std::string &name) {
     const QString path = fileOf(layer, QString::fromStdString(name));
     const QByteArray bytes = path.isEmpty() ? QByteArray() : contentOf(path);
     TextureImage texture{QFileInfo(QString::fromStdString(name)).fileName().toStdString(), bytes.toStdString()};
-    // What the layer holds is what is seen: a filter may have painted it since the file was read.
+    // The image that the layer holds goes first: a filter may have painted it since the file was read.
     QImage held = host::textureImage(layer, name, !path.isEmpty());
     if (texture.Kind() && (held.isNull() || isSame(held, QImage::fromData(bytes))))
         return texture;

@@ -6,9 +6,9 @@
 
 #include "parameters.h"
 
-/// What \p layer looks like, for a file: its own colours, not those of tags; texture coordinates of its corners, or
-/// else of its vertices; and its textures, each the bytes of its PNG or JPEG file, or a PNG of what the layer holds
-/// where that is something else. One that cannot be read is told to \p remark and has no content.
+/// The look of \p layer, for a file: its own colours, not those of tags; texture coordinates of corners or, if there
+/// are none, of vertices; and its textures: the bytes of a PNG or JPEG file, or a PNG of the image that the layer
+/// holds, if that differs. A texture that cannot be read is reported to \p remark, and has no content.
 vcg::fcd::SurfaceLook lookOf(const MeshDocument &document, const MeshModel &layer, const Remark &remark);
 
 #endif

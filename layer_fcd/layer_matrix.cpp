@@ -24,7 +24,7 @@ namespace {
 
 bool isInvertible(const Eigen::Matrix3d &linear) {
     return linear.allFinite() && Eigen::FullPivLU<Eigen::Matrix3d>(linear).isInvertible() &&
-           std::isnormal(linear.determinant()); // not beyond the range of numbers
+           std::isnormal(linear.determinant()); // neither overflow nor underflow
 }
 
 } // namespace

@@ -6,17 +6,16 @@
 
 #include <Eigen/Geometry>
 
-/// The matrix of \p layer, which leads from its coordinates to those of the world. \throw vcg::fcd::Error when it is
-/// not finite, or not affine
+/// The matrix of \p layer, from its coordinates to the world. \throw vcg::fcd::Error it is not finite, or not affine
 Eigen::Affine3d matrixOf(const MeshModel &layer);
 
-/// The same, for where the way back is needed. \throw vcg::fcd::Error also when it has no inverse
+/// The same. \throw vcg::fcd::Error as matrixOf, or it has no inverse
 Eigen::Affine3d invertibleMatrixOf(const MeshModel &layer);
 
-/// The linear part of the matrix of \p layer, by which lengths are measured; the identity where it has no inverse.
+/// The linear part of the matrix of \p layer; the identity if it has no inverse.
 Eigen::Matrix3d metricOf(const MeshModel &layer);
 
-/// The motion from where \p layer lies to where \p other does. \throw vcg::fcd::Error as above
+/// The motion that takes the matrix of \p layer to that of \p other. \throw vcg::fcd::Error as invertibleMatrixOf
 Eigen::Matrix4d motionTo(const MeshModel &other, const MeshModel &layer);
 
 #endif

@@ -66,10 +66,10 @@ void computeBoxAndNormals(CMeshO &mesh) {
 namespace {
 
 struct NormalCount {
-    std::size_t all = 0, other = 0; ///< vertices of faces that have a normal; those whose is far from the faces'
+    std::size_t all = 0, other = 0; ///< vertices at faces with a normal; those far from the faces' normals
 };
 
-/// Of vertices that are asked for, by their number. \param near the cosine of what is far
+/// Counts the vertices that isAsked(slot) asks for. \param near cosine of the angle beyond which a normal is far
 template <class Asked>
 NormalCount countOtherNormals(const CMeshO &mesh, double near, const Asked &isAsked) {
     using Corner = std::pair<std::size_t, std::size_t>; // of a vertex: its number, and three times the face's plus k
@@ -110,7 +110,7 @@ NormalCount countOtherNormals(const CMeshO &mesh, double near, const Asked &isAs
 bool hasOtherNormals(const MeshModel &layer, double degrees, double share) {
     const CMeshO &mesh = layer.cm;
     const double near = std::cos(degrees * double(EIGEN_PI) / 180);
-    const std::size_t several = mesh.vert.size() >> 12; // some 4000 vertices, by chance, settle it mostly
+    const std::size_t several = mesh.vert.size() >> 12; // some 4000 vertices are mostly enough
     if (several > 1) {
         const NormalCount some = countOtherNormals(mesh, near, [several](std::size_t i) {
             return (std::uint64_t(i) * 0x9E3779B97F4A7C15u >> 32) % several == 0;

@@ -41,7 +41,7 @@ struct Poses {
     PoseSequence sequence;
     std::string name; ///< of the file, or of the layer
 
-    /// \throw Error where they are of another surface
+    /// \throw Error they are of another surface
     PoseSequence of(const SurfaceMark &surface) && {
         try {
             sequence.ExpectSurface(surface);
@@ -95,7 +95,7 @@ std::vector<std::map<int, Motion>> motionsOf(const PoseSequence &sequence, const
 
 namespace {
 
-/// Layers that go along with \p layer. \param rest its positions at rest
+/// The layers that \p layer carries along. \param rest its positions at rest
 std::vector<Companion> companionsOf(const MeshDocument &document, const MeshModel &layer, Eigen::Matrix3Xd rest,
                                     const Remark &remark, const Progress &progress) {
     std::vector<const MeshModel *> targets;
@@ -122,7 +122,7 @@ std::vector<Companion> companionsOf(const MeshDocument &document, const MeshMode
         std::vector<Eigen::Matrix3f> linear;
         carry(
             target, surface->matrix,
-            [&](const Carried &vertex, Eigen::Matrix3f &) { // goes nowhere yet
+            [&](const Carried &vertex, Eigen::Matrix3f &) { // no displacement yet
                 (*places)[vertex.slot] = (*surface)(vertex, sides);
                 return Eigen::Vector3d(Eigen::Vector3d::Zero());
             },

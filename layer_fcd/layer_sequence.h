@@ -11,33 +11,32 @@
 #include <optional>
 #include <vector>
 
-/// What FCD: Pose Sequence did.
+/// The result of FCD: Pose Sequence.
 struct SequenceLayers {
     vcg::fcd::SequenceReport report;
     int poses = 0, keyFrames = 0, nodes = 0;
-    int companions = 0; ///< layers that go along in the .glb file
+    int companions = 0; ///< layers carried along in the .glb file
     vcg::fcd::TagCount tags;
-    std::vector<MeshModel *> layers; ///< that are new
+    std::vector<MeshModel *> layers; ///< new ones
     double seconds = 0;
 };
 
-/// FCD: Pose Sequence: poses a layer again and again; the frames are in new layers, and files. Poses that are of the
-/// rest shape of a posed layer pose that. \param remark may be empty
-/// \throw vcg::fcd::Error each message says what to do \throw vcg::fcd::Cancelled; the document and all files are then
-/// as they were
+/// FCD: Pose Sequence: adds layers, and writes files, with the frames of a sequence of poses. Poses of the rest shape
+/// of a posed layer begin at that. \param remark may be empty \throw vcg::fcd::Error, vcg::fcd::Cancelled; the document
+/// and all files are then as they were
 SequenceLayers makeSequence(MeshDocument &document, MeshModel &layer, PreparedLayers &preparedLayers,
                             const SequenceParam &param, const Remark &remark, const vcg::fcd::Progress &progress);
 
-/// The poses that \p layer keeps, none where it keeps none: no file of MeshLab has room for them.
+/// The poses that \p layer keeps; none: it keeps none. (No file of MeshLab can hold them.)
 std::optional<vcg::fcd::PoseSequence> posesOf(const MeshModel &layer);
-/// Lets \p layer keep \p poses, in the place of those that it has; without any, it keeps none.
+/// Lets \p layer keep \p poses instead of those that it has; without any pose, none.
 void keepPoses(const MeshDocument &document, MeshModel &layer, const vcg::fcd::PoseSequence &poses);
 
-/// The poses of a file, or, where \p file is empty, those that \p layer keeps. \param surface of the layer
-/// \throw vcg::fcd::Error none, what is wrong with them, or poses of another surface
+/// The poses of a file or, if \p file is empty, those that \p layer keeps. \param surface of the layer
+/// \throw vcg::fcd::Error there are none, they are invalid, or of another surface
 vcg::fcd::PoseSequence readPoses(const MeshModel &layer, const QString &file, const vcg::fcd::SurfaceMark &surface);
 
-/// The motions of the handle tags in each pose. \param center of the handles, in the layer \param world its matrix
+/// The motions of the handles in each pose, by tag. \param center of the handles, mesh units \param world the matrix
 /// \throw vcg::fcd::Error naming the pose
 std::vector<std::map<int, vcg::fcd::Motion>> motionsOf(const vcg::fcd::PoseSequence &sequence,
                                                        const MeshDocument &document, const MeshModel &layer,

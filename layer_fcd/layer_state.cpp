@@ -18,8 +18,8 @@ static_assert(std::is_trivial<PosedVertex>::value, "zero for new vertices");
 
 namespace {
 
-/// What changes with the layout of a state and of all that it holds: only a library that was built in the same way may
-/// find it. Whoever changes a layout where no size here tells counts the first number on.
+/// A name that changes with the layout of a state and all that it holds, so that only a library with the same layout
+/// finds it. If you change a layout and no size below changes, increase the first number.
 const std::string &layoutName() {
     static const std::string name = [] {
         std::string text = "fcd_layer_state";
@@ -37,7 +37,8 @@ const std::string &layoutName() {
     return name;
 }
 
-/// How a mesh tells its state where vertices go. The host frees no attribute of a mesh that goes: this has no memory.
+/// The attribute by which a mesh tells its state where vertices go. It has no memory, since the host does not free
+/// attributes of a mesh that is deleted.
 class StateAttribute final : public host::Follower {
   public:
     explicit StateAttribute(std::weak_ptr<LayerState> state) : state(std::move(state)) {}
@@ -57,16 +58,16 @@ class StateAttribute final : public host::Follower {
     std::weak_ptr<LayerState> state;
 };
 
-/// The states of a document's layers, by the numbers of these.
+/// The states of a document's layers, by layer number.
 using States = std::map<int, std::shared_ptr<LayerState>>;
 
-/// Those of \p document, null where it has none. It knows them by a property, and keeps them with the connection that
-/// tells which layers go.
+/// The states of \p document; null: none. A property of the document points at them; the connection that tells which
+/// layers are deleted owns them.
 States *statesOf(const MeshDocument &document) {
     return static_cast<States *>(document.property(layoutName().c_str()).value<void *>());
 }
 
-/// What is kept of a layer that no file of a mesh or of a project, and no other layer, has room for; a list.
+/// A list, in words, of what is kept for a layer that neither a mesh file, a project nor another layer can hold.
 std::string listOf(const LayerState &state, bool hasTool) {
     QStringList all;
     if (state.rest)
@@ -86,8 +87,8 @@ std::string listOf(const LayerState &state, bool hasTool) {
     return all.join(", ").toStdString();
 }
 
-/// A layer is gone: others, such as the one that it was merged into, have what they are copies of, and the log says
-/// what none of them has.
+/// A layer was deleted: other layers, such as the one that it was merged into, inherit from its state, and the log
+/// tells what is lost.
 void leaveTo(MeshDocument &document, LayerState &gone) {
     try {
         if (handDownScan(document, gone))
@@ -95,14 +96,14 @@ void leaveTo(MeshDocument &document, LayerState &gone) {
         if (handDownRest(document, gone))
             gone.rest.reset();
         handDownGraph(document, gone);
-        for (const MeshModel *layer : host::layers(document)) { // what copies had before: others were just asked
+        for (const MeshModel *layer : host::layers(document)) { // what copies have is not lost
             const LayerState &its = LayerState::known(*layer);
             if (gone.scan && its.scan && inheritedScan(*layer, {&gone}))
                 gone.scan.reset();
             if (gone.rest && its.rest && inheritedRest(*layer, {&gone}))
                 gone.rest.reset();
         }
-    } catch (const std::bad_alloc &) { // its colours and rest shapes are lost, the program is not
+    } catch (const std::bad_alloc &) { // its colours and rest shapes are lost; the program goes on
     }
     const std::string lost = listOf(gone, gone.tool != nullptr);
     if (!lost.empty())
@@ -110,7 +111,7 @@ void leaveTo(MeshDocument &document, LayerState &gone) {
                                 ". A layer that it was merged into has none of that.");
 }
 
-/// Once a person has saved a project, the log says what is not in it.
+/// Makes the log tell, whenever a user saves a project, what is not in it.
 void tellWhenProjectsAreSaved(MeshDocument &document) {
     const auto tell = [&document] {
         for (const MeshModel *layer : host::layers(document)) {
@@ -144,10 +145,10 @@ States &madeStatesOf(const MeshDocument &document) {
         tellWhenProjectsAreSaved(const_cast<MeshDocument &>(document));
     const_cast<MeshDocument &>(document).setProperty(layoutName().c_str(),
                                                      QVariant::fromValue(static_cast<void *>(known)));
-    return *known; // which the connection keeps
+    return *known; // the connection owns them
 }
 
-/// body(values) for all values per vertex slot that there are.
+/// Calls body(values) for all lists of values per vertex slot.
 template <class Body>
 void forColumns(LayerState &state, const Body &body) {
     const auto forShape = [&](Shape &shape) {
@@ -167,7 +168,7 @@ void forColumns(LayerState &state, const Body &body) {
 
 const std::size_t none = std::numeric_limits<std::size_t>::max();
 
-/// Each end of a pair goes to the vertex slotOf(its slot), or is left out.
+/// Moves each end of a pair to the vertex slotOf(its slot), or leaves it out.
 template <class SlotOf>
 void forPairs(LayerState &state, const SlotOf &slotOf) {
     if (!state.fit)
@@ -191,7 +192,7 @@ LayerState *LayerState::of(const CMeshO &mesh) {
     for (const vcg::PointerToAttribute &attribute : mesh.vert_attr)
         if (isIts(attribute))
             if (LayerState *its = static_cast<const StateAttribute *>(attribute._handle)->get().get())
-                return its; // which the document keeps
+                return its; // the document owns it
     return nullptr;
 }
 
@@ -206,7 +207,7 @@ LayerState &LayerState::made(const MeshDocument &document, MeshModel &layer) {
     if (its)
         return *its;
     States &states = madeStatesOf(document);
-    // A host that closes all at once says nothing of it.
+    // A host that closes all layers at once sends no signal.
     for (auto each = states.begin(); each != states.end();) {
         const MeshModel *there = document.getMesh(each->first);
         each = there && of(*there) == each->second.get() ? std::next(each) : states.erase(each);
@@ -219,9 +220,9 @@ LayerState &LayerState::made(const MeshDocument &document, MeshModel &layer) {
     vcg::PointerToAttribute attribute;
     attribute._name = layoutName();
     while (vcg::tri::HasPerVertexAttribute(mesh, attribute._name))
-        attribute._name += '_'; // somebody else's
+        attribute._name += '_'; // another program's
     attribute._handle = new StateAttribute(state);
-    attribute._sizeof = 0; // a host takes what is as large as a number or a point for one
+    attribute._sizeof = 0; // hosts take values of the size of a number or a point for one
     attribute._padding = 0;
     attribute._type = typeid(StateAttribute);
     attribute.n_attr = ++mesh.attrn;
@@ -254,7 +255,7 @@ std::vector<const LayerState *> LayerState::ofOthers(const MeshDocument &documen
 }
 
 void LayerState::resize(std::size_t n) {
-    if (n == 0) { // the mesh goes, or gets other vertices: until then, copies may ask for what it had
+    if (n == 0) { // the mesh is deleted, or gets other vertices; copies may still ask for what it had
         for (std::size_t i = 0; scan && i < scan->number.size(); ++i)
             leave(i);
         isCleared = true;
@@ -279,7 +280,7 @@ void LayerState::reorder(const std::vector<std::size_t> &newSlots) {
     forPairs(*this, [&](std::size_t slot) { return slot < newSlots.size() ? newSlots[slot] : slot; });
 }
 
-/// A vertex is deleted: another layer, into which it was copied, may ask for what is kept of it.
+/// A vertex is deleted: another layer, into which it was copied, may still ask for it.
 void LayerState::leave(std::size_t slot) {
     if (scan && rest && scan->number[slot] != 0 && rest->vertex[slot].isKnown())
         scan->gone.emplace_back(toPoint(rest->vertex[slot].place()), scan->number[slot]);

@@ -18,15 +18,15 @@
 
 struct Deformation;
 
-/// What the rest shape knows of a vertex; zero for a vertex that something else makes.
+/// A vertex of a posed layer; zero for a vertex that something else made.
 struct PosedVertex {
     Eigen::Vector3d place() const { return Eigen::Vector3d(double(now[0]), double(now[1]), double(now[2])); }
     bool isKnown() const { return before != 0; }
     bool isAt(const Point3m &p) const { return p[0] == now[0] && p[1] == now[1] && p[2] == now[2]; }
 
     std::array<Scalarm, 3> now; ///< the position that the last pose gave it
-    std::uint64_t before; ///< the position before the last pose, as RestShape::placeOf encodes it, where a preview
-                          ///< begins; 0: unknown
+    std::uint64_t before; ///< the position before the last pose, where a preview begins, as of RestShape::placeOf; 0:
+                          ///< unknown
 };
 
 /// A shape of a layer: positions and normals per vertex slot.
@@ -39,46 +39,46 @@ struct RestState : Shape {
     std::vector<PosedVertex> vertex; ///< per vertex slot
     std::uint64_t faces = 0;         ///< facesOf the mesh
     std::size_t vertexSlots = 0;     ///< of the mesh
-    bool ownNormals = false;         ///< as hasOwnNormals tells it
-    std::uint64_t normalsNow = 0;    ///< normalsOf the mesh after the last pose, where it has own ones
-    std::uint64_t normalsBefore = 0; ///< and before that: a preview begins there
+    bool ownNormals = false;         ///< as of hasOwnNormals
+    std::uint64_t normalsNow = 0;    ///< normalsOf the mesh after the last pose, if it has own normals
+    std::uint64_t normalsBefore = 0; ///< and before it, where a preview begins
     std::vector<Shape> earlier;      ///< earlier rest shapes, oldest first: that of the file
 };
 
 /// A vertex that was live when its layer was tagged.
 struct TaggedVertex {
     static constexpr int noTag = std::numeric_limits<int>::min();
-    bool hasQuality() const { return tag != noTag; } ///< by its tag
+    bool hasQuality() const { return tag != noTag; } ///< its quality is its tag
 
-    Point3m place;          ///< then
-    std::uint32_t tagColor; ///< that it got by its tag, as numberOf tells it
-    int tag;                ///< that its quality is since then; noTag: its quality is its own
-    bool hasColor;          ///< by its tag
+    Point3m place;          ///< its position then
+    std::uint32_t tagColor; ///< the colour of its tag, as of numberOf
+    int tag;                ///< its quality since then; noTag: its quality is its own
+    bool hasColor;          ///< it has the colour of its tag
 };
 
-/// Colours and quality of a layer as they were before tags took their place, with the places that the vertices had
-/// then: what is new since lies on that surface (kept_scan.h).
+/// Colours and quality of a layer before tags replaced them, with the positions that the vertices had then, so that new
+/// vertices on that surface get them, too (kept_scan.h).
 struct KeptScan {
-    bool color = false, quality = false;       ///< kept, or known not to have been there
-    bool hadColor = false, hadQuality = false; ///< and there was some
+    bool color = false, quality = false;       ///< tags replaced them: they are kept, or there were none
+    bool hadColor = false, hadQuality = false; ///< there were some
     bool countedQuality = false;               ///< the layer was marked as having quality, even if it was 0 everywhere
-    vcg::Color4b lowColor, highColor;          ///< of the tags, by channel
-    double lowTag = 0, highTag = 0;            ///< with 0, which vertices have that nothing has given a quality
+    vcg::Color4b lowColor, highColor;          ///< range of the tags' colours, by channel
+    double lowTag = 0, highTag = 0;            ///< range of the tags and 0, the quality of new vertices
     std::uint64_t faces = 0;                   ///< facesOf the mesh then
     std::size_t vertexSlots = 0;               ///< of the mesh then
     Matrix44m matrix;                          ///< of the layer then
     std::vector<TaggedVertex> vertices;
-    std::vector<vcg::Color4b> colors;             ///< of each of these; empty unless color
-    std::vector<CVertexO::QualityType> qualities; ///< of each of these; empty unless quality
-    std::vector<std::uint32_t> number;            ///< per vertex slot: which of these it is, from 1; 0: a new one
-    std::vector<std::pair<Point3m, std::uint32_t>> gone; ///< places in a pose, and numbers, of those that were deleted
+    std::vector<vcg::Color4b> colors;             ///< of each tagged vertex; empty unless color
+    std::vector<CVertexO::QualityType> qualities; ///< of each tagged vertex; empty unless quality
+    std::vector<std::uint32_t> number;            ///< per vertex slot: number of the tagged vertex, from 1; 0: new
+    std::vector<std::pair<Point3m, std::uint32_t>> gone; ///< deleted ones: position in the last pose, and number
 };
 
-/// What the tool FCD: Bend knew of a layer when it left it (kept_tool.h).
+/// The settings of FCD: Bend when it left a layer (kept_tool.h).
 struct ToolState {
-    std::string text;        ///< as the tool writes it; vertices are numbered as the live ones follow each other
+    std::string text;        ///< as of bend_text.h
     bool isPosed;            ///< the tool left the layer in a pose of its rest shape
-    std::uint64_t shape = 0; ///< of the layer then, as shapeOf tells it
+    std::uint64_t shape = 0; ///< shapeOf the layer then
     Matrix44m matrix;        ///< of the layer then
 };
 
@@ -86,7 +86,7 @@ struct ToolState {
 struct FitPair {
     std::string name;
     std::optional<std::size_t> slot;      ///< of a vertex of the layer that is fitted
-    std::optional<Eigen::Vector3d> place; ///< on the target, world
+    std::optional<Eigen::Vector3d> place; ///< on the target, world units
 
     bool isWhole() const { return slot && place; }
     bool operator==(const FitPair &other) const {
@@ -94,19 +94,19 @@ struct FitPair {
     }
 };
 
-/// What a layer that is fitted shows.
+/// The shape of a layer that is fitted: at rest, by its landmarks, or pulled onto the target.
 enum class FitShape { Rest, Landmarks, Pulled };
 
-/// What the panel of the tool FCD: Fit sets.
+/// The options of the panel of FCD: Fit.
 struct FitOptions {
     static constexpr double leastStiffness = 0.01, mostStiffness = 100; ///< of the slider
     static constexpr double mostDistance = 1e9;
 
     double stiffness = 1;
-    vcg::fcd::FitStart start = vcg::fcd::FitStart::Similar; ///< by landmarks only where these tell a motion
+    vcg::fcd::FitStart start = vcg::fcd::FitStart::Similar; ///< by landmarks only if these determine a motion
     double largestDistance = 0;                             ///< world units; 0: no limit
-    /// How much the vertices count when the layer is pulled: those of the layer, and of the target; of attributes
-    /// only FitMeshParam::paintedAttribute.
+    /// Weights of the layer's and of the target's vertices when the layer is pulled; of attributes, only
+    /// FitMeshParam::paintedAttribute.
     FitMeshParam::Weights weights = FitMeshParam::AllCounts, targetWeights = FitMeshParam::AllCounts;
 
     bool operator==(const FitOptions &other) const {
@@ -120,12 +120,12 @@ struct FitToolState {
     std::vector<FitPair> pairs;
     FitOptions options;
     std::string target;                       ///< name of the layer that it is fitted to; empty: the first other one
-    std::string curves;                       ///< file with curves that lead it, UTF-8; empty: none
-    FitShape shown = FitShape::Rest;          ///< by which the tool left the layer: a pose of its rest shape
-    std::uint64_t shape = 0;                  ///< of the layer then, as shapeOf tells it; 0: at rest
+    std::string curves;                       ///< file with curves, UTF-8; empty: none
+    FitShape shown = FitShape::Rest;          ///< the shape that the tool left the layer in
+    std::uint64_t shape = 0;                  ///< shapeOf the layer then; 0: at rest
     Matrix44m matrix = Matrix44m::Identity(); ///< of the layer then
 
-    /// Besides the pairs and the shape.
+    /// Whether anything is set besides the pairs and the shape.
     bool isSet() const { return !target.empty() || !curves.empty() || !(options == FitOptions()); }
     bool operator==(const FitToolState &other) const {
         return pairs == other.pairs && options == other.options && target == other.target && curves == other.curves &&
@@ -133,47 +133,47 @@ struct FitToolState {
     }
 };
 
-/// What a layer was made from, and how it was then (results.h).
+/// A layer that is a result: its source, and its contents when it was made (results.h).
 struct ResultState {
     int source = 0;             ///< number of that layer
-    std::uint64_t contents = 0; ///< as contentsOf tells them
-    bool ownNormals = false;    ///< as hasOwnNormals tells it
+    std::uint64_t contents = 0; ///< as of contentsOf
+    bool ownNormals = false;    ///< as of hasOwnNormals
     QString label;
 };
 
-/// Of which layer's surface a layer is the deformation graph (kept_graph.h).
+/// A layer that is a deformation graph (kept_graph.h).
 struct GraphState {
-    int source = 0;          ///< number of that layer
-    bool isDeformed = false; ///< and not at rest
-    std::uint64_t shape = 0; ///< of the graph when it was made, as shapeOf tells it: a copy has it, too
+    int source = 0;          ///< number of the layer with the surface
+    bool isDeformed = false; ///< false: it is at rest
+    std::uint64_t shape = 0; ///< shapeOf the graph when it was made, as a copy has, too
 };
 
-/// What the plugins know of a layer beyond its mesh. The document keeps it until the layer or the document is closed.
-/// The mesh has one attribute without memory: through it the host tells where it moves vertices, and the values per
-/// vertex slot here move with them.
+/// What the plugins keep for a layer besides its mesh. The document owns it until the layer or the document is closed.
+/// Through an attribute of the mesh, without memory, the host tells where it moves vertices; values per vertex slot
+/// here move with them.
 struct LayerState {
     std::optional<RestState> rest;                  ///< none: it has never been posed in place
-    std::optional<KeptScan> scan;                   ///< none: no tags stand in the place of colours or quality
+    std::optional<KeptScan> scan;                   ///< none: no tags replace colours or quality
     std::vector<int> marks;                         ///< tag - 1 per vertex slot; empty: none (marks.h)
-    std::uint64_t measured = 0;                     ///< qualityOf the mesh when a filter here measured it; 0: none did
+    std::uint64_t measured = 0;                     ///< qualityOf the mesh, if a filter here measured it; 0: none did
     std::string appliedName;                        ///< of the attribute for the tool's tags; empty: none (marks.h)
-    std::optional<vcg::fcd::PoseSequence> poses;    ///< that have names
+    std::optional<vcg::fcd::PoseSequence> poses;    ///< poses with names
     std::shared_ptr<const Deformation> deformation; ///< of a deformed graph
-    std::shared_ptr<const ToolState> tool;          ///< null: FCD: Bend knows no more than marks and poses
-    std::shared_ptr<const FitToolState> fit;        ///< null: FCD: Fit knows nothing
-    std::optional<GraphState> graph;                ///< none: no filter has made it as a graph in this run
-    std::optional<ResultState> result;              ///< none: it is no result of a filter in the window
+    std::shared_ptr<const ToolState> tool;          ///< null: FCD: Bend has marks and poses at most
+    std::shared_ptr<const FitToolState> fit;        ///< null: FCD: Fit has nothing
+    std::optional<GraphState> graph;                ///< none: no filter of this run has made it as a graph
+    std::optional<ResultState> result;              ///< none: it is not a result of a filter in the window
 
-    /// That of a layer, null where nothing is known of it.
+    /// The state of a layer; null: none.
     static LayerState *of(const CMeshO &mesh);
     static LayerState *of(const MeshModel &layer) { return of(layer.cm); }
-    /// The same, to be read; where nothing is known of the layer, one that says so.
+    /// The state of a layer, or an empty one.
     static const LayerState &known(const MeshModel &layer);
-    /// The same, made where there is none.
+    /// The state of a layer, which is made if there is none.
     static LayerState &made(const MeshDocument &document, MeshModel &layer);
-    /// Removes a state that says nothing, with its attribute of the mesh.
+    /// Removes an empty state, with its attribute of the mesh.
     static void tidy(MeshModel &layer);
-    /// Those of the other layers of a document.
+    /// The states of the other layers of a document.
     static std::vector<const LayerState *> ofOthers(const MeshDocument &document, const MeshModel &layer);
 
     /// Whether it is the attribute by which states follow their vertices.
@@ -181,17 +181,17 @@ struct LayerState {
 
     /// Resizes the values per slot, with zero for new slots.
     void resize(std::size_t n);
-    /// Moves the value of each slot to newSlots[slot]; drops it if that is the largest number.
+    /// Moves the value of each slot to newSlots[slot]; drops it if that is the largest number of its type.
     void reorder(const std::vector<std::size_t> &newSlots);
 
   private:
     bool isEmpty() const;
     void leave(std::size_t slot);
 
-    bool isCleared = false; ///< the mesh has no vertices any more, and the values per slot are of those that it had
+    bool isCleared = false; ///< the mesh has no vertices now; values per slot are those of its former vertices
 };
 
-/// Calls LayerState::tidy for the current layer at the end, so that a filter that fails leaves nothing with it.
+/// Calls LayerState::tidy for the current layer at its end, so that a filter that fails leaves no state behind.
 class TidyLater {
   public:
     explicit TidyLater(MeshDocument &document) : document(document), layer(document.mm() ? document.mm()->id() : -1) {}

@@ -40,7 +40,7 @@ LineGoal lineGoalOf(const MeshModel &layer, const StraightenMeshParam &param) {
         goal.arc.direction = param.direction;
         goal.arc.towards = param.towards;
     }
-    vcg::fcd::MotionTo(goal); // what is wrong with the lines is told at once
+    vcg::fcd::MotionTo(goal); // throws at once if the lines are wrong
     return goal;
 }
 
@@ -127,7 +127,7 @@ std::vector<std::string> warningsOf(const StraightenedLayers &made) {
         for (std::size_t i = 0; i < report.releasedAt.size() && i < 5; ++i) {
             const auto &[from, to] = report.releasedAt[i];
             line << (i > 0 ? ", " : "") << from;
-            if (to - from > 1e-3 * report.length) // else a patch of one vertex, or about that
+            if (to - from > 1e-3 * report.length) // not a patch of about one vertex
                 line << " to " << to;
         }
         line << (report.releasedAt.size() > 5 ? ", and elsewhere" : "")

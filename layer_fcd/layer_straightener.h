@@ -9,15 +9,15 @@
 #include <string>
 #include <vector>
 
-/// What FCD: Straighten Mesh did.
+/// The result of FCD: Straighten Mesh.
 struct StraightenedLayers {
     vcg::fcd::DeformationResult result;
     vcg::fcd::StraightenReport report;
-    MeshModel *line = nullptr; ///< a new layer, of points that were given
+    MeshModel *line = nullptr; ///< a new layer of the points that were given
     double seconds = 0;
 };
 
-/// A layer along a line, before it is a layer.
+/// The result before it is a layer.
 struct StraightenedShape {
     StraightenedLayers made; ///< without layers, and time
     std::vector<float> quality;
@@ -25,35 +25,34 @@ struct StraightenedShape {
     vcg::fcd::Stopwatch watch;
 };
 
-/// What is known of a line before a layer is straightened along it.
+/// What an earlier straightening along the same line leaves to reuse.
 struct KnownLine {
-    std::shared_ptr<const LineSurface> surface; ///< prepared; null: nothing is known
-    Eigen::Matrix3Xd middle;                    ///< 3 x n, as LineOf finds it on that surface, where it was looked for
-    vcg::fcd::StraightenReport report;          ///< of the straightening
+    std::shared_ptr<const LineSurface> surface; ///< prepared; null: nothing to reuse
+    Eigen::Matrix3Xd middle;                    ///< 3 x n, LineOf on that surface, with the middle; empty: not computed
+    vcg::fcd::StraightenReport report;          ///< of that straightening
 };
 
-/// Which line goes where, from the layers and files that \p param names.
-/// \throw vcg::fcd::Error each message says what to do
+/// The line and its goal, from the layers and files of \p param. \throw vcg::fcd::Error
 vcg::fcd::LineGoal lineGoalOf(const MeshModel &layer, const StraightenMeshParam &param);
 
-/// What becomes of a layer with that goal. The layer itself is not needed, so that this may run beside the window.
-/// \param surface of the layer \param known with the same goal and \p param, maybe when the layer was another surface
-/// \throw vcg::fcd::Error each message says what to do \throw vcg::fcd::Cancelled
+/// Straightens the surface of a layer. The layer itself is not read, so this may run in another thread than the
+/// window's. \param known of the same goal and \p param, maybe for another surface \throw vcg::fcd::Error,
+/// vcg::fcd::Cancelled
 StraightenedShape straightened(LineSurface surface, vcg::fcd::LineGoal goal, const StraightenMeshParam &param,
                                const vcg::fcd::Progress &progress, const KnownLine &known = {});
 
-/// Puts that into new layers. A line that was given as points becomes one, too, in front of them. \param remark may be
-/// empty \throw vcg::fcd::Cancelled; the document is then as it was
+/// Adds the layers of a straightened shape; before them, one with the line if it was given as points.
+/// \param remark may be empty \throw vcg::fcd::Cancelled; the document is then as it was
 StraightenedLayers addStraightened(MeshDocument &document, MeshModel &layer, const StraightenMeshParam &param,
                                    StraightenedShape shape, const Remark &remark, const vcg::fcd::Progress &progress);
 
-/// FCD: Straighten Mesh: both.
+/// FCD: Straighten Mesh: straightened and addStraightened. \throw as these, and lineGoalOf
 StraightenedLayers straightenLayer(MeshDocument &document, MeshModel &layer, const StraightenMeshParam &param,
                                    const Remark &remark, const vcg::fcd::Progress &progress);
 
-/// How a layer was straightened, in words.
+/// The result in words, for the log.
 std::string describe(const StraightenedLayers &made);
-/// A sentence for each thing that is probably not meant.
+/// Warnings about the result, a sentence each.
 std::vector<std::string> warningsOf(const StraightenedLayers &made);
 
 #endif

@@ -26,7 +26,7 @@ using vcg::fcd::SymmetryMark;
 
 namespace {
 
-/// Finds the vertices that stand for landmarks.
+/// Finds the vertices of landmarks.
 class MarkReader {
   public:
     MarkReader(const SurfaceView &view, const Eigen::Affine3d &world) {
@@ -39,7 +39,7 @@ class MarkReader {
     }
 
     SymmetryMark at(const Eigen::Vector3d &place) const { return {slot[std::size_t(tree->Nearest(place))], place}; }
-    /// \param number as a file counts them
+    /// \param number among the live vertices, from 0
     SymmetryMark at(std::int64_t number, const QString &file) const {
         if (std::size_t(number) >= slot.size())
             throw Error(inQuotes(file) + " names vertex " + std::to_string(number) + ", but the layer has only " +
@@ -73,7 +73,7 @@ SymmetryGoal goalOf(const MeshModel &layer, const SymmetrizeParam &param, const 
     return goal;
 }
 
-/// Adds mirror images of what has no counterpart. \return how many vertices
+/// Adds a layer with the mirror image of the surface without a counterpart. \return its number of vertices
 std::size_t addMissing(NewLayers &layers, const SurfaceView &view, const Eigen::Affine3d &world,
                        const vcg::fcd::MirrorPlane &plane, const std::vector<char> &matched,
                        const Eigen::Matrix3Xd &position) {
@@ -210,11 +210,11 @@ std::vector<std::string> warningsOf(const SymmetrizedLayers &made) {
             "The result is farther from its mirror image than the surface was: the plane is hardly the "
             "right one. Give pairs, a midline or another plane.");
     std::ostringstream share;
-    if (report.fit.matched < 0.3) // then most of the shape is a guess
+    if (report.fit.matched < 0.3) // most of the shape is a guess
         share << "Only " << 100 * report.fit.matched
               << " percent of the surface have a counterpart on the other side: do not trust the rest. Give pairs or a "
                  "midline.";
-    else if (report.fit.guessed > 0.05 && report.fit.guessError > 0.01 * made.diagonal) // 1 %: no hand misses so much
+    else if (report.fit.guessed > 0.05 && report.fit.guessError > 0.01 * made.diagonal) // 1 %: a hand misses by less
         share << 100 * report.fit.guessed
               << " percent of the surface have no counterpart on the other side, were carried along, and may be off by "
                  "about "

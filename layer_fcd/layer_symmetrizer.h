@@ -10,25 +10,25 @@
 #include <string>
 #include <vector>
 
-/// What FCD: Symmetrize did.
+/// The result of FCD: Symmetrize.
 struct SymmetrizedLayers {
     vcg::fcd::DeformationResult result;
     vcg::fcd::SymmetryReport report;
-    std::size_t pairs = 0, midline = 0; ///< landmarks
+    std::size_t pairs = 0, midline = 0; ///< numbers of landmarks
     double before = 0, after = 0;       ///< distance from its mirror image, root mean square, world units
     double diagonal = 0;                ///< world units
-    std::size_t mirrored = 0;           ///< vertices of the layer with what is missing
+    std::size_t mirrored = 0;           ///< vertices of the layer with the parts that are missing
     double seconds = 0;
 };
 
-/// FCD: Symmetrize: restores the symmetry of \p layer; the result is in new layers. \param remark may be empty
-/// \throw vcg::fcd::Error each message says what to do \throw vcg::fcd::Cancelled; the document is then as it was
+/// FCD: Symmetrize: adds layers with \p layer made symmetric. \param remark may be empty
+/// \throw vcg::fcd::Error, vcg::fcd::Cancelled; the document is then as it was
 SymmetrizedLayers symmetrizeLayer(MeshDocument &document, MeshModel &layer, const SymmetrizeParam &param,
                                   const Remark &remark, const vcg::fcd::Progress &progress);
 
-/// What became of a layer, in words.
+/// The result in words, for the log.
 std::string describe(const SymmetrizedLayers &made);
-/// A sentence for each thing that is probably not meant.
+/// Warnings about the result, a sentence each.
 std::vector<std::string> warningsOf(const SymmetrizedLayers &made);
 
 #endif

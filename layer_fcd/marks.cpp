@@ -5,7 +5,7 @@
 
 namespace {
 
-/// Tags as a state has them: 0 is free, which is what a vertex has that something else makes.
+/// Tags as LayerState::marks: 0 is free, as new vertices are.
 std::vector<int> shifted(std::vector<int> tag, int by) {
     std::for_each(tag.begin(), tag.end(), [by](int &each) { each += by; });
     return tag;

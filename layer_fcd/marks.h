@@ -8,28 +8,28 @@
 #include <vector>
 
 /// \file
-/// What a person marks on a layer with the tool: tags that its state keeps, so that colours and quality of the layer
-/// are as they are. While there are marks, they are what the layer's tags are, in place of its quality.
+/// Marks: tags that a user has painted with FCD: Bend. The layer's state keeps them, so its colours and quality do not
+/// change. While a layer has marks, these are its tags, not its quality.
 
 bool hasMarks(const MeshModel &layer);
 
-/// The marks as tags, one per vertex slot; vertices that something else has made are free. \pre hasMarks()
+/// The marks as tags, one per vertex slot; new vertices are free. \pre hasMarks()
 std::vector<int> marksOf(const MeshModel &layer);
 
 /// Gives \p layer marks: \p tag, one per vertex slot.
 void setMarks(const MeshDocument &document, MeshModel &layer, const std::vector<int> &tag);
 
-/// Its tags are those of its quality again.
+/// Removes the marks: the tags are those of the quality again.
 void dropMarks(const MeshModel &layer);
 
 /// Whether the layer is known to have tags: marks, or those that a filter for tags wrote into its quality.
 bool hasTags(const MeshModel &layer);
 
-/// The vertex attribute for the tags of what the tool did last, which are more than marks; a script finds them there,
-/// also where the layer is saved with it. Whoever has an attribute of that name keeps it.
+/// The name of the vertex attribute for the tags of the tool's last pose (marks, and what these leave fixed), for
+/// scripts. It differs from the names of other attributes of the layer.
 const std::string &appliedTags(const MeshDocument &document, MeshModel &layer);
 
-/// Whether a vertex attribute, which has a name, is that one. It belongs to the layer alone.
+/// Whether a vertex attribute is that one. It is not copied to other layers.
 bool isApplied(const MeshModel &layer, const std::string &attribute);
 
 #endif

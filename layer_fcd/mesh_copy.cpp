@@ -20,9 +20,8 @@ void reserve(Elements &elements, int n) {
     vcg::fcd::PreferLargePages(elements.data(), std::size_t(n) * sizeof elements[0]);
 }
 
-/// Appends copies of the live ones of \p from, in order, where there is room for them. The vector would construct them
-/// as empty ones and then tell each where it is, both in one thread: three passes where here is one.
-/// \param finish finish(i, copy of element i)
+/// Appends copies of the live elements of \p from, in order, in one pass. (VCG's own way takes three, in one thread.)
+/// \pre reserve \param finish finish(i, copy of element i)
 template <class Elements, class Finish>
 void appendCopies(Elements &to, const Elements &from, const Finish &finish) {
     std::vector<typename Elements::value_type> &plain = to; // does not construct the optional components
@@ -34,7 +33,7 @@ void appendCopies(Elements &to, const Elements &from, const Finish &finish) {
         }
 }
 
-/// Whether elements have components that lie in arrays of their own, except adjacencies.
+/// Whether elements have optional components, except adjacencies.
 bool hasOptional(const decltype(CMeshO::vert) &v) {
     return v.IsQualityEnabled() || v.IsColorEnabled() || v.IsMarkEnabled() || v.IsNormalEnabled() ||
            v.IsCurvatureEnabled() || v.IsCurvatureDirEnabled() || v.IsRadiusEnabled() || v.IsTexCoordEnabled();
@@ -72,7 +71,7 @@ void copyElements(CMeshO &to, const CMeshO &from, const Eigen::Matrix3Xd *positi
             vertex.P() = toPoint(position->col(Eigen::Index(i)));
     };
     vcg::Box3<Scalarm> box;
-    // The elements of a vector come into being one after the other; the two vectors, beside each other.
+    // A vector is filled by one thread; vertices and faces, in parallel.
     vcg::fcd::ParallelFor(0, 2, 1, [&](std::size_t task, std::size_t) {
         if (task == 0)
             appendCopies(to.face, from.face, [&](std::size_t i, CFaceO &face) {
@@ -94,14 +93,14 @@ void copyElements(CMeshO &to, const CMeshO &from, const Eigen::Matrix3Xd *positi
     if (position)
         to.bbox = box;
 
-    std::vector<short> texture; // of each of from
+    std::vector<short> texture; // new number of each texture of from
     for (const std::string &name : from.textures) {
         const auto at = std::find(to.textures.begin(), to.textures.end(), name) - to.textures.begin();
         if (at == std::ptrdiff_t(to.textures.size()))
             to.textures.push_back(name);
         texture.push_back(short(at));
     }
-    const auto rename = [&](auto &place) { // where there is no such texture, the number is all there is
+    const auto rename = [&](auto &place) { // numbers without a texture stay
         if (std::size_t(place.n()) < texture.size())
             place.n() = texture[std::size_t(place.n())];
     };

@@ -11,10 +11,10 @@
 #include <cstdint>
 #include <vector>
 
-/// Where the live ones of some elements go when they are packed.
+/// The places of live elements when deleted ones are left out.
 class Packing {
   public:
-    /// \param live how many there are
+    /// \param live number of live elements
     template <class Elements>
     Packing(const Elements &elements, int live) : n(elements.size()) {
         if (std::size_t(live) == n)
@@ -27,7 +27,7 @@ class Packing {
 
     std::size_t operator()(std::size_t i) const { return place.empty() ? i : place[i]; }
 
-    /// body(i, j) for each live element i, which goes to j; from several threads.
+    /// Calls body(i, j) for each live element i, whose place is j; from several threads.
     template <class Body>
     void forEach(const Body &body) const {
         vcg::fcd::ParallelFor(0, n, 1 << 14, [&](std::size_t first, std::size_t last) {
@@ -43,10 +43,9 @@ class Packing {
     std::vector<std::uint32_t> place; // empty: all are live
 };
 
-/// Appends all live elements of \p from to the empty mesh \p to, in order, with the components and the attributes that
-/// both have, and the names of the textures: what vcg::tri::Append does, in one pass over the memory. Of adjacencies
-/// there are those to vertices alone.
-/// \param position of the copies, 3 x slots of \p from, whose box \p to gets, then; nullptr: those of \p from
+/// Copies all live elements of \p from to the empty mesh \p to, in order, with the components and attributes that both
+/// have, and the names of textures: as vcg::tri::Append, but in one pass. Of adjacencies, only those to vertices.
+/// \param position of the copies, 3 x slots of \p from; then \p to also gets its box; nullptr: those of \p from
 void copyElements(CMeshO &to, const CMeshO &from, const Eigen::Matrix3Xd *position = nullptr);
 
 #endif

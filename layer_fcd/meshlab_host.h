@@ -3,10 +3,10 @@
 #define FCD_MESHLAB_HOST_H
 
 /// \file
-/// With filter_host.h (what a filter is to the host) and edit_host.h (what a tool is), the only place that knows which
-/// MeshLab all this is built for. What is here, parameters, attributes and layers, looks the same for every host.
+/// Parameters, attributes and layers, with one interface for every version of MeshLab. Only this file, filter_host.h
+/// and edit_host.h know the version.
 ///
-/// FCD_MESHLAB_2020 is defined (by CMake) for MeshLab 2020.09, whose filters are MeshFilterInterface; later hosts have
+/// CMake defines FCD_MESHLAB_2020 for MeshLab 2020.09, whose filters are MeshFilterInterface; later versions have
 /// FilterPlugin. (A define, since moc does not evaluate __has_include.)
 
 #include <vcg_ext/centroidal_deformation.h> // before Qt, whose macros (slots, emit, ...) are common words
@@ -42,7 +42,7 @@ inline bool inWindow() {
 }
 
 #ifdef FCD_MESHLAB_2020
-/// Takes what the window shows of progress back, which it does not do after a filter that failed.
+/// Clears the progress in the window, which does not do so itself after a filter that failed.
 inline void endProgress() {
     for (QWidget *window : QApplication::topLevelWidgets())
         for (QProgressBar *bar : window->findChildren<QProgressBar *>())
@@ -89,7 +89,7 @@ using RichFileParam = RichFileOpen;
 using RichSaveFileParam = RichFileSave;
 #endif
 
-/// Where the dialog shows a parameter, where the host makes the difference (2022.02 on).
+/// Where the dialog shows a parameter (from 2022.02 on).
 enum class Shown { Always, Advanced };
 
 /// Appends a Rich parameter made from \p arguments: all of the constructor's up to the tool tip.
@@ -103,7 +103,7 @@ void addParameter(RichParameterList &list, Shown shown, const Arguments &...argu
 #endif
 }
 
-/// Appends a parameter that names a layer; \p layer is the default, null for none (a document without layers).
+/// Appends a parameter that names a layer. \param layer the default; null: the document has no layers
 inline void addLayerParameter(RichParameterList &list, Shown shown, const QString &name, const MeshModel *layer,
                               const MeshDocument &document, const QString &label, const QString &tip) {
 #ifdef FCD_MESHLAB_2020
@@ -140,17 +140,17 @@ inline bool isLayerParameter(const RichParameter &parameter) {
 
 /// Whether a parameter names a file that is written.
 inline bool isSaveFile(const RichParameter &parameter) {
-    const QString type = parameter.stringType(); // 2020.09 lets no plugin know the class
+    const QString type = parameter.stringType(); // 2020.09 does not export the class
     return type == "RichSaveFile" || type == "RichFileSave";
 }
 
-/// The layer that a layer parameter names, null when there is none.
+/// The layer that a layer parameter names; null: none.
 inline MeshModel *layerParameter(const RichParameterList &list, const QString &name, const MeshDocument &document) {
 #ifdef FCD_MESHLAB_2020
     MeshModel *layer = list.getMesh(name); // maybe deleted since the dialog was opened
     return document.meshList.contains(layer) ? layer : nullptr;
 #else
-    return const_cast<MeshDocument &>(document).getMesh(list.getMeshId(name)); // which is not changed
+    return const_cast<MeshDocument &>(document).getMesh(list.getMeshId(name)); // does not change the document
 #endif
 }
 
@@ -163,19 +163,19 @@ inline Matrix44m matrixParameter(const RichParameterList &list, const QString &n
 #endif
 }
 
-/// Whether a script may lack parameters, which then have their defaults. Where it may not, a filter keeps the
-/// parameters that it has, so that scripts written for it go on running.
+/// Whether a script may lack parameters, which then have their defaults. If not, a filter gets no new parameters, so
+/// that old scripts go on running.
 #ifdef FCD_MESHLAB_2020
 constexpr bool scriptsMayLackParameters = false;
 #else
 constexpr bool scriptsMayLackParameters = true;
 #endif
 
-/// Whether a script may lack the first parameter only: a new one, which stands elsewhere in the window, stands there.
+/// Whether a script may lack the first parameter only: then a new parameter, which has another place in the window, is
+/// the first.
 inline bool firstMayBeLacking() { return !scriptsMayLackParameters && !inWindow(); }
 
-/// Whether a dialog that is taller than the screen scrolls, and folds advanced parameters. Where it does not, a long
-/// one has its buttons below the screen.
+/// Whether dialogs scroll and fold advanced parameters. If not, a long dialog has its buttons below the screen.
 #ifdef FCD_MESHLAB_2020
 constexpr bool dialogsFold = false;
 #else
@@ -184,10 +184,10 @@ constexpr bool dialogsFold = true;
 
 // --- attributes ---
 
-// The filters and the tool are two libraries that find each other's attributes. What a C++ type is called is the same
-// for both; where its name stands in memory, by which some compilers compare types, is not.
+// Filters and tool are two libraries that find each other's attributes. So types are compared by name, not by the
+// address of the name, as some compilers do.
 
-/// Whether the type of an attribute is called as a type is.
+/// Whether the type of an attribute has the name of T.
 template <class T>
 bool isCalled(const vcg::PointerToAttribute &attribute) {
     return std::strcmp(attribute._type.name(), typeid(T).name()) == 0;
@@ -199,7 +199,7 @@ bool isOfType(const vcg::PointerToAttribute &attribute) {
     return attribute._sizeof == int(sizeof(T)) && attribute._padding == 0 && isCalled<T>(attribute);
 }
 
-/// An attribute without values: the host tells it, as it tells all, how many elements there are, and where they go.
+/// An attribute without values: the host tells it, as any attribute, how many elements there are, and where they move.
 class Follower : public vcg::SimpleTempDataBase {
   public:
     std::size_t SizeOf() const override { return 0; }
@@ -244,7 +244,7 @@ inline bool isVisible(const MeshModel &layer) {
 #endif
 }
 
-/// Lets the window know which layers are visible: it asks when layers come and go.
+/// Makes the window show which layers are visible now.
 inline void showChanges(MeshDocument &document) { emit document.meshSetChanged(); }
 
 /// Deletes a layer. The current layer may change.
@@ -256,7 +256,7 @@ inline void removeLayer(MeshDocument &document, MeshModel *layer) {
 #endif
 }
 
-/// Gives \p to the texture images of \p from. In 2020.09 a layer has names of files only.
+/// Copies the texture images of \p from to \p to. (In 2020.09 a layer has only the names of files.)
 inline void copyTextures(MeshModel &to, const MeshModel &from) {
 #ifdef FCD_MESHLAB_2020
     // The window reads the files of a new layer from the current directory.
@@ -272,8 +272,8 @@ inline void copyTextures(MeshModel &to, const MeshModel &from) {
 #endif
 }
 
-/// The image that \p layer holds of a texture; null: none, as in 2020.09, or what MeshLab puts in the place of a file
-/// that is not there, under this name. \param isFile whether there is a file of this name
+/// The image that \p layer holds of a texture; null: none, as in 2020.09, or only MeshLab's substitute for a missing
+/// file. \param isFile whether there is a file of this name
 inline QImage textureImage(const MeshModel &layer, const std::string &name, bool isFile) {
 #ifdef FCD_MESHLAB_2020
     (void)layer, (void)name, (void)isFile;

@@ -22,7 +22,7 @@ using vcg::fcd::MotionStep;
 
 namespace {
 
-/// The motion of the handles of \p layer that the parameters of the dialog describe.
+/// The motion of the handles of \p layer by the parameters of the dialog.
 std::vector<MotionStep> stepsOf(const HandleParam &param, const MeshModel &layer) {
     std::vector<MotionStep> steps;
     if (param.likeLayer && param.likeLayer != &layer) {
@@ -45,14 +45,14 @@ std::vector<MotionStep> stepsOf(const HandleParam &param, const MeshModel &layer
     return steps;
 }
 
-/// How far single precision may have moved \p point; 0 where it has more digits than that.
+/// How far single precision may have moved \p point; 0 if it has more digits.
 double singleError(const Eigen::Vector3d &point) {
     if (rounded<float>(point) != point)
         return 0;
     return point.cwiseAbs().maxCoeff() * std::numeric_limits<float>::epsilon() / 2;
 }
 
-/// \p steps with each "layer 'NAME'" written as the matrix that leads from \p layer to the layer of that name.
+/// \p steps with each "layer 'NAME'" replaced by the matrix that leads from \p layer to the layer of that name.
 QString withLayers(const QString &steps, const MeshDocument &document, const MeshModel &layer) {
     static const char *const pattern = "\\blayer\\s*(?:'([^']*)'|\"([^\"]*)\")";
     const QRegularExpression step(pattern, QRegularExpression::CaseInsensitiveOption);
@@ -88,7 +88,7 @@ Eigen::Vector3d extentOf(const CMeshO &mesh) {
     return box.sizes();
 }
 
-/// "2, 3 and 7", cut short when there are very many.
+/// "2, 3 and 7", cut short if there are very many.
 template <class Map>
 std::string listOfKeys(const Map &map) {
     std::string list;

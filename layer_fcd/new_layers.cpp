@@ -15,7 +15,7 @@ using vcg::fcd::Index;
 
 namespace {
 
-/// Adds to \p to an attribute like \p attribute, without values. \return whether its values are of type T
+/// Adds an attribute like \p attribute to \p to, without values, if its values are of type T. \return whether they are
 template <class T>
 bool addIfOf(CMeshO &to, const vcg::PointerToAttribute &attribute, bool isOfVertices) {
     if (!host::isCalled<T>(attribute))
@@ -32,12 +32,12 @@ bool addIfOfOne(CMeshO &to, const vcg::PointerToAttribute &attribute, bool isOfV
     return (addIfOf<Types>(to, attribute, isOfVertices) || ...);
 }
 
-/// Adds to \p to, empty, the attributes of \p from, without values. Tells about those of types that are not known.
+/// Adds the attributes of \p from to the empty mesh \p to, without values. \param remark is told unknown types
 void addAttributes(CMeshO &to, const MeshModel &from, const Remark &remark) {
     const auto add = [&](const auto &attributes, bool isOfVertices) {
         for (const vcg::PointerToAttribute &attribute : attributes) {
             if (attribute._name.empty() || LayerState::isIts(attribute) || isApplied(from, attribute._name))
-                continue; // scratch data of some algorithm, or what belongs to the layer alone
+                continue; // scratch data, or attributes that are not copied
             if (!addIfOfOne<bool, char, signed char, unsigned char, short, unsigned short, int, unsigned, long,
                             unsigned long, long long, unsigned long long, float, double, vcg::Point2f, vcg::Point2d,
                             vcg::Point2i, vcg::Point3f, vcg::Point3d, vcg::Point3i, vcg::Point4f, vcg::Point4d,
@@ -92,7 +92,7 @@ void NewLayers::keepNow(const MeshModel &current) {
     for (MeshModel *layer : replaced)
         host::removeLayer(document, layer);
     document.setCurrentMesh(current.id());         // last: removing a layer may make another one the current
-    for (std::size_t i = 0; i < added.size(); ++i) // the host has changed those that were taken
+    for (std::size_t i = 0; i < added.size(); ++i) // the host has changed labels that were taken
         added[i]->setLabel(labels[i]);
 }
 
@@ -203,8 +203,7 @@ MeshModel &NewLayers::addPatches(const QString &what, const std::vector<Index> &
         vertex.C() = patch >= 0 ? color[std::size_t(patch)] : vcg::Color4b(vcg::Color4b::Gray);
     });
     LayerState::made(document, layer).measured = qualityOf(layer.cm);
-    // A face has one colour, so that borders of patches are sharp: that of two of its vertices, if two are of one
-    // patch.
+    // Faces have one colour each, so that borders are sharp: that of two of the vertices, if two are in one patch.
     for (CFaceO &face : layer.cm.face)
         face.C() = face.cV(1)->cQ() == face.cV(2)->cQ() ? face.cV(1)->cC() : face.cV(0)->cC();
     return layer;

@@ -13,12 +13,12 @@
 #include <memory>
 #include <vector>
 
-/// New layers that stay in the document all or none: those that were added are removed again, and the current layer is
-/// the one it was, unless keep() is reached.
+/// Adds layers to a document, all or none: without keep(), the destructor removes them again, and the current layer is
+/// the one it was.
 class NewLayers {
   public:
-    /// \p base names the layers ("NAME what"; "NAME what 2" where it is itself "NAME deformed", and so on) and gives
-    /// them its matrix. \p replaced go when the new ones are kept, which may have their names.
+    /// \param base gives the new layers their names (labelOf) and its matrix
+    /// \param replaced deleted by keep(); new layers may have their names
     NewLayers(MeshDocument &document, const MeshModel &base, const Remark &remark,
               std::vector<MeshModel *> replaced = {});
     NewLayers(const NewLayers &) = delete;
@@ -26,49 +26,49 @@ class NewLayers {
     ~NewLayers();
 
     /// "NAME what" with a vertex for each node of \p graph (quality = patch radius, colour = patch colour, attribute
-    /// "energy" if there is any) and its edges. The layer knows that it is that of the base.
+    /// "energy" if there is any) and its edges. Its state says that it is the base's graph.
     MeshModel &addGraph(const QString &what, const vcg::fcd::GraphGeometry &graph, bool isDeformed);
 
-    /// "NAME what" with \p points, 3 x n in the world, and edges from each to the next.
+    /// "NAME what" with \p points, 3 x n, world units, and edges from each to the next.
     MeshModel &addLine(const QString &what, const Eigen::Matrix3Xd &points);
 
-    /// "NAME what": \p graph as a surface, which every format keeps: a ball for each node, a tube for each edge.
+    /// "NAME what": \p graph as a surface, for formats without edges: a ball for each node, a tube for each edge.
     MeshModel &addGraphSurface(const QString &what, const vcg::fcd::GraphGeometry &graph);
 
-    /// "NAME what": the base coloured by patch, vertices and faces, quality = patch number. \p patchOf per slot of the
-    /// base's vertices, \p color per patch. Textures, which would hide the colours, are left out.
+    /// "NAME what": the base with vertices and faces coloured by patch, quality = patch number, without textures.
+    /// \param patchOf per vertex slot of the base \param color per patch
     MeshModel &addPatches(const QString &what, const std::vector<vcg::fcd::Index> &patchOf,
                           const std::vector<vcg::Color4b> &color);
 
-    /// "NAME what": \p vertices, 3 x n, mesh units of the base, and \p faces of them.
+    /// "NAME what" with \p vertices, 3 x n, mesh units of the base, and \p faces.
     MeshModel &addSurface(const QString &what, const Eigen::Matrix3Xd &vertices,
                           const std::vector<std::array<std::size_t, 3>> &faces);
 
-    /// "NAME what": the base with all that it carries at other positions, 3 x slots of the base's vertices. \p linear
-    /// per slot turns normals that are not those of the faces, and principal directions; empty: there are none.
-    /// \p quality per slot is that of the new layer; empty: the base's.
+    /// "NAME what": a copy of the base with other positions. \param position 3 x vertex slots of the base
+    /// \param linear per slot, maps normals of its own and principal directions; empty: there are none
+    /// \param quality per slot; empty: the base's
     MeshModel &addDeformed(const QString &what, const Eigen::Matrix3Xd &position,
                            const std::vector<Eigen::Matrix3f> &linear, const std::vector<float> &quality);
 
-    /// Gives \p layer, which addDeformed made at \p position, the vector attribute "fcd_displacement" per vertex: the
-    /// way from the base's position to its own, in their coordinates, in the place of one that the base has.
+    /// Gives \p layer, made by addDeformed with \p position, the vector attribute "fcd_displacement" per vertex: from
+    /// the base's position to its own, mesh units. It replaces an attribute of that name.
     void addDisplacement(MeshModel &layer, const Eigen::Matrix3Xd &position) const;
 
-    /// The layers of a deformation: where \p graphOf, what it was solved with, is not null, "NAME graph" at rest and
-    /// "NAME deformed graph", which keeps the deformation; last, as addDeformed, "NAME what".
+    /// The layers of a deformation: "NAME graph" at rest and "NAME deformed graph", which keeps the deformation, unless
+    /// \p graphOf, the deformer, is null; last "NAME what", as of addDeformed.
     std::vector<MeshModel *> addResult(const QString &what, const vcg::fcd::DeformationResult &result,
                                        const std::vector<float> &quality,
                                        const std::shared_ptr<const Prepared> &graphOf);
 
-    /// Reports that all is done, the last time that it can be cancelled, then calls \p before, which may still fail,
-    /// and keeps the layers; \p current becomes the current one. \throw vcg::fcd::Cancelled, and what \p before does
+    /// Keeps the layers; \p current becomes the current one. First reports that all is done (the last chance to
+    /// cancel), then calls \p before, which may still fail. \throw vcg::fcd::Cancelled, and what \p before throws
     void keep(const MeshModel &current, const vcg::fcd::Progress &progress, const std::function<void()> &before = {});
 
-    /// The same of what was made of \p source: the last of \p results becomes the current layer, and in the window the
-    /// one that is seen.
+    /// The same for results of \p source: the last of \p results becomes the current layer, and in the window the only
+    /// visible one of these.
     void keepResults(MeshModel &source, const std::vector<MeshModel *> &results, const vcg::fcd::Progress &progress);
 
-    /// The same of several, all or none.
+    /// The same for several, all or none.
     static void keep(const std::vector<std::unique_ptr<NewLayers>> &several, const MeshModel &current,
                      const vcg::fcd::Progress &progress);
 
@@ -82,7 +82,7 @@ class NewLayers {
     const MeshModel &base;
     Remark remark;
     std::vector<MeshModel *> added, replaced;
-    std::vector<QString> labels; ///< of those that are added
+    std::vector<QString> labels; ///< of the added layers
     bool kept = false;
 };
 

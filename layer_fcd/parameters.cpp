@@ -49,7 +49,7 @@ void TagParam::validate() const {
                     "; handles are numbered from 2 (0 is the tag of fixed vertices, 1 that of free ones).");
     if (role == FromFile && tagFile.isEmpty())
         throw Error("tag_file is empty. Give the .sel file with one tag per vertex.");
-    if (role != FromFile && !tagFile.isEmpty() && !host::inWindow()) // a dialog remembers the last file
+    if (role != FromFile && !tagFile.isEmpty() && !host::inWindow()) // dialogs remember the last file
         throw Error(
             "tag_file would not be read: role takes other tags. Give role 4, the tags of the file, or no file.");
     const auto expectOther = [&](const char *name, const QString &file) {
@@ -80,7 +80,7 @@ double asTyped(double value, int exponent) {
         text.resize(e);
     }
     text += "e" + std::to_string(exponent);
-    double typed = value; // which stays where it is beyond a double
+    double typed = value; // stays if the decimal is beyond a double
     vcg::fcd::detail::ToNumber(text.data(), text.data() + text.size(), typed);
     return typed;
 }
@@ -93,7 +93,7 @@ vcg::fcd::DeformationParam asHandedOver(vcg::fcd::DeformationParam param) {
     round(param.tolerance);
     round(param.influence);
     round(param.pose);
-    if (host::scriptsMayLackParameters) // else it is no parameter
+    if (host::scriptsMayLackParameters) // otherwise it is no parameter
         round(param.weldDistance);
     return param;
 }

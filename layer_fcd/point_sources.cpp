@@ -44,7 +44,7 @@ std::vector<PointHandle> readPointHandles(const MeshModel &layer, const Point3m 
     const CMeshO &mesh = layer.cm;
     const Eigen::Affine3d toLayer = invertibleMatrixOf(layer).inverse();
 
-    const std::vector<std::size_t> live = liveSlots(mesh); // a file counts them as MeshLab would save them
+    const std::vector<std::size_t> live = liveSlots(mesh); // files number them as MeshLab saves them
 
     // To find the vertex nearest to a point.
     std::vector<std::size_t> slot;

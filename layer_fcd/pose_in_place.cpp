@@ -13,7 +13,7 @@ using vcg::fcd::ParallelFor;
 
 namespace {
 
-/// Begins to read what a vertex, which will soon be written, has at rest, and the vertex itself.
+/// Prefetches a vertex that will soon be written, and its rest position and normal.
 void prefetch(const Point3m &position, const Point3m &normal, const CVertexO &vertex) {
     vcg::fcd::Prefetch(&position);
     vcg::fcd::Prefetch(&normal);
@@ -21,7 +21,7 @@ void prefetch(const Point3m &position, const Point3m &normal, const CVertexO &ve
     vcg::fcd::Prefetch(reinterpret_cast<const char *>(&vertex + 1) - 1);
 }
 
-/// Hands the positions and normals of what moves to takers: one a range of vertices, which \p make makes.
+/// Hands the positions and normals of moving vertices to takers, which \p make makes, one for each range of vertices.
 template <class Make>
 void carry(const CMeshO &mesh, const Point3m *position, const Point3m *normal, const vcg::fcd::Carrier &carrier,
            const Make &make) {
@@ -30,7 +30,7 @@ void carry(const CMeshO &mesh, const Point3m *position, const Point3m *normal, c
                              [&](std::size_t slot) { prefetch(position[slot], normal[slot], mesh.vert[slot]); });
 }
 
-/// Checks that threads have the memory they need before they write: a layer must not be left half posed.
+/// Checks before writing that threads will have the memory they need: a layer must not be left half posed.
 /// \throw std::bad_alloc
 void checkRoom() {
     const std::size_t enough = std::size_t(1) << 22; // candidates of a patch are some hundreds, of 100 bytes each
@@ -103,7 +103,7 @@ bool writePose(CMeshO &mesh, RestShape &rest, const Prepared &prepared, const vc
         Sum still;
         for (std::size_t i = first; i < last; ++i)
             if (!prepared.moving[i] && !mesh.vert[i].IsD()) {
-                rest.place(i, rest.positions()[i]); // another pose, with other tags, may have moved it
+                rest.place(i, rest.positions()[i]); // a pose with other tags may have moved it
                 mesh.vert[i].N() = rest.normals()[i];
                 still.box.Add(mesh.vert[i].cP());
             }

@@ -12,7 +12,7 @@ using vcg::fcd::SurfaceView;
 
 namespace {
 
-/// Deformers of so many vertices are kept, and the latest: each takes about 100 bytes.
+/// The latest deformer is kept, and others up to so many vertices in all: a vertex takes about 100 bytes.
 const std::size_t mostVertices = 8000000;
 
 PreparedLayers::Key::Hash hashOf(const NumberBytes &bytes) {
@@ -20,8 +20,8 @@ PreparedLayers::Key::Hash hashOf(const NumberBytes &bytes) {
     return {hash.low64, hash.high64};
 }
 
-/// Adds the hashes of consecutive ranges of n items, of \p each numbers of type T: range(first, last, to) gives those
-/// of one, in \p to or elsewhere.
+/// Adds the hashes of consecutive ranges of n items, with \p each numbers of type T. \param range range(first, last,
+/// to) gives the numbers of a range, in \p to or elsewhere
 template <class T, class Range>
 void addHashes(NumberBytes &bytes, std::size_t n, std::size_t each, const Range &range) {
     const std::size_t grain = 1 << 14;
@@ -133,7 +133,7 @@ std::shared_ptr<Prepared> PreparedLayers::add(const Key &key, const MeshDocument
                                               const SurfaceView &surface, const vcg::fcd::Handles &handles,
                                               const vcg::fcd::DeformerParam &param,
                                               const vcg::fcd::Progress &progress) {
-    std::shared_ptr<const vcg::fcd::Deformer> before; // of which regions may be the same
+    std::shared_ptr<const vcg::fcd::Deformer> before; // whose regions may be reused
     for (const Entry &entry : entries)
         if (!before && entry.document == &document && entry.layer == layer && entry.key.surface == key.surface)
             before = entry.prepared->deformer;

@@ -15,14 +15,14 @@
 struct Prepared {
     std::shared_ptr<const vcg::fcd::Deformer> deformer;
     std::vector<char> moving;  ///< per vertex slot: whether it may move in some pose
-    std::vector<char> turning; ///< and whether a face of it may, once a pose has asked (verticesBeside)
+    std::vector<char> turning; ///< whether a face of it may move (verticesBeside); set by the first pose that asks
     vcg::fcd::TagCount tags;
-    double seconds = 0;      ///< that preparing it took; 0 once it has been used
-    bool isOfOthers = false; ///< known: its nodes were given, and are not those of the graph that is made without
+    double seconds = 0;      ///< time of preparing it; 0 once it has been used
+    bool isOfOthers = false; ///< its nodes were given, and are not those of the graph that the parameters make
 };
 
-/// The deformers of the layers that were deformed last, so that the next pose of one does not begin anew. Each is found
-/// by a hash of all that it was made from, so that none is ever used for anything else.
+/// Keeps the deformers of the layers that were deformed last, for their next poses. The key of a deformer is a hash of
+/// all that it was made from, so it is never used for anything else.
 class PreparedLayers {
   public:
     struct Key {
@@ -33,37 +33,37 @@ class PreparedLayers {
         bool operator==(const Key &o) const { return surface == o.surface && held == o.held; }
     };
 
-    /// What a surface, with the tags and point handles of \p handles, is found by.
+    /// The key of a surface with the tags and point handles of \p handles.
     static Key keyOf(const vcg::fcd::SurfaceView &surface, const vcg::fcd::Handles &handles,
                      const vcg::fcd::DeformerParam &param);
 
-    /// The same number from a layer's mesh, of which nothing is copied.
-    /// \param rest positions per vertex slot, null where the vertices' own count \param faces facesOf the mesh
+    /// The same key from a layer's mesh, without a copy.
+    /// \param rest positions per vertex slot; null: those of the mesh \param faces facesOf the mesh
     static Key keyOf(const CMeshO &mesh, const Point3m *rest, std::uint64_t faces, const vcg::fcd::Handles &handles,
                      const vcg::fcd::DeformerParam &param);
 
-    /// What is prepared, null where nothing is.
+    /// The deformer of a key; null: none.
     std::shared_ptr<Prepared> find(const Key &key);
-    /// Prepares \p surface, which is that of the layer of a number; what else was prepared of the layer goes, except
-    /// regions that are the same. Nothing of document and layer is read. \pre follow() \throw vcg::fcd::Error no
-    /// handle, nothing free, ... \throw vcg::fcd::Cancelled
+    /// Prepares \p surface, of the layer with the number \p layer, and drops other deformers of the layer; regions that
+    /// are the same are reused. Document and layer are not read. \pre follow()
+    /// \throw vcg::fcd::Error no handle, nothing free, ... \throw vcg::fcd::Cancelled
     std::shared_ptr<Prepared> add(const Key &key, const MeshDocument &document, int layer,
                                   const vcg::fcd::SurfaceView &surface, const vcg::fcd::Handles &handles,
                                   const vcg::fcd::DeformerParam &param, const vcg::fcd::Progress &progress);
-    /// What is prepared of a document's layers goes with it.
+    /// Drops the deformers of a document's layers when it is closed.
     void follow(const MeshDocument &document);
-    /// Drops what was prepared of layers that are gone.
+    /// Drops the deformers of deleted layers.
     void dropRemoved();
     void clear() { entries.clear(); }
 
   private:
     struct Entry {
         Key key;
-        const MeshDocument *document; ///< of the layer; it is there as long as the entry is
+        const MeshDocument *document; ///< of the layer; it outlives the entry
         int layer;                    ///< its number
         std::shared_ptr<Prepared> prepared;
     };
-    QObject context;          // of connections, which end with it
+    QObject context;          // of the connections
     std::list<Entry> entries; ///< the latest first
 };
 

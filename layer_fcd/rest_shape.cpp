@@ -28,7 +28,7 @@ std::uint64_t shapeSum(const CMeshO &mesh, const PositionOf &positionOf) {
     });
 }
 
-/// Turns the normals of a shape over that look to the other side than the faces there.
+/// Flips the normals of a shape that point to the other side than those of the faces.
 void turnToFaces(const CMeshO &mesh, Shape &shape) {
     std::vector<Eigen::Vector3d> sum(mesh.vert.size(), Eigen::Vector3d::Zero());
     for (const CFaceO &face : mesh.face)
@@ -54,7 +54,7 @@ void exchangeShapes(CMeshO &mesh, Shape &shape) {
     });
 }
 
-/// Gives a shape of the mesh the normals of its faces. Those of the mesh's own faces are to be computed anew then.
+/// Computes the normals of a shape from its faces. The caller has to compute those of the mesh again.
 void takeNormals(CMeshO &mesh, Shape &shape) {
     exchangeShapes(mesh, shape);
     computeNormals(mesh);
@@ -63,7 +63,7 @@ void takeNormals(CMeshO &mesh, Shape &shape) {
 
 } // namespace
 
-/// That of a layer, null where it has none.
+/// The rest state of a layer; null: none.
 static RestState *restOf(const MeshModel &layer) {
     LayerState *state = LayerState::of(layer);
     return state && state->rest && !state->rest->vertex.empty() ? &*state->rest : nullptr;
@@ -102,7 +102,7 @@ void RestShape::keep(const MeshDocument &document, MeshModel &layer) {
         if (last.countStrangers() == 0 || last.followMove()) {
             const bool isOther = last.shape() != shapeOf(mesh);
             std::vector<Shape> &earlier = last.state.earlier;
-            earlier.reserve(mostEarlier + 1); // from here on, nothing can fail
+            earlier.reserve(mostEarlier + 1); // nothing can fail from here on
             if (earlier.size() == mostEarlier)
                 earlier.erase(earlier.begin() + 1); // the first is that of the file
             if (isOther)
@@ -167,7 +167,7 @@ bool RestShape::isSameMesh() const {
     return state.vertexSlots == mesh.vert.size() && state.faces == facesOf(mesh);
 }
 
-/// Where something else has moved all vertices by one affine map, moves the rest shapes by that. \return whether it has
+/// If something else has moved all vertices by one affine map, moves the rest shapes by it. \return whether it did
 bool RestShape::followMove() {
     std::vector<Eigen::Vector3d> from, to;
     for (std::size_t i = 0; i < mesh.vert.size(); ++i) {

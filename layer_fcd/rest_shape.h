@@ -13,25 +13,25 @@
 #include <string>
 #include <vector>
 
-/// The rest shape of a layer that is posed in place: positions and normals of its vertices, which its state keeps, and
-/// where the last pose left each of them. These go with their vertices wherever the host moves them in memory, so that
-/// each is known by itself: it belongs to the rest shape as long as it is, to the bit, at a place that it was given.
-/// Where something else has moved all of them by one affine map, the rest shapes follow by that.
+/// The rest shape of a layer that is posed in place: positions and normals at rest, and the position that the last pose
+/// gave to each vertex. The layer's state keeps them; they move with the vertices in memory. A vertex belongs to the
+/// rest shape as long as it is, to the bit, at a position that it was given. If something else has moved all vertices
+/// by one affine map, the rest shapes are moved by it, too.
 ///
-/// When a pose is applied, so that the next begins from it, the old rest shape is kept as an earlier one.
+/// If a pose becomes the rest shape, the old one is kept as an earlier one.
 class RestShape {
   public:
-    /// How many earlier rest shapes are kept, beside the first. Each takes 24 bytes a vertex in single precision; few
-    /// people go back farther, except to the first.
+    /// The most earlier rest shapes that are kept, besides the first. Each takes 24 bytes a vertex in single precision;
+    /// few users go back farther, except to the first.
     static constexpr std::size_t mostEarlier = 8;
 
     static bool exists(const MeshModel &layer);
-    /// Whether there is one. A copy takes over the rest shapes of its original.
+    /// Whether there is a rest shape; a copy first inherits those of its original.
     static bool inherit(const MeshDocument &document, MeshModel &layer);
-    /// Where the last pose left each vertex slot. \pre the layer has a rest shape
+    /// Each vertex slot after the last pose. \pre the layer has a rest shape
     static const PosedVertex *lastPlaces(const MeshModel &layer);
-    /// Makes the present shape of \p layer its rest shape. The old one becomes an earlier one. If something else has
-    /// moved or made vertices, old shapes no longer fit the mesh, and none is kept.
+    /// Makes the present shape of \p layer its rest shape. The old one becomes an earlier one, unless something else
+    /// has moved or made vertices: then old shapes no longer fit the mesh, and none is kept.
     static void keep(const MeshDocument &document, MeshModel &layer);
     /// Forgets all rest shapes.
     static void drop(const MeshModel &layer);
@@ -44,20 +44,19 @@ class RestShape {
     /// Whether the normals are others than the faces'.
     bool hasOwnNormals() const { return state.ownNormals; }
 
-    std::uint64_t shape() const; ///< at rest, as shapeOf tells it
+    std::uint64_t shape() const; ///< shapeOf the layer at rest
 
-    /// The earlier rest shapes and last the present one, as shapeOf tells them; the first is that of the layer as it
-    /// was loaded.
+    /// shapeOf the earlier rest shapes, and last of the present one; the first is that of the loaded layer.
     std::vector<std::uint64_t> shapes() const;
     /// Makes shapes()[place] the rest shape and drops those after it.
     void backTo(std::size_t place);
 
-    /// Before a pose. Where something else has moved the layer as a whole, its rest shapes are moved alike, and a
-    /// remark says so. \throw vcg::fcd::Error when it has moved or made some vertices; \p remedy says what to do
+    /// Call it before a pose. If something else has moved the layer as a whole, moves its rest shapes alike, with a
+    /// remark. \param remedy what to do, for the error \throw vcg::fcd::Error something has moved or made some vertices
     void checkVertices(const std::string &remedy, const Remark &remark);
-    /// Remembers that a pose gave the layer its present normals.
+    /// Call it after a pose: the present normals are those of the pose.
     void knowNormals();
-    /// Whether vertices and faces are those of the last pose, wherever something else may have moved them.
+    /// Whether vertices and faces are those of the last pose, even if they were moved.
     bool isSameMesh() const;
     /// Flips the normals of vertices whose faces something else has flipped. \return facesOf the mesh
     std::uint64_t followFaces();
@@ -67,23 +66,23 @@ class RestShape {
         mesh.vert[slot].P() = p;
     }
 
-    /// Begins to read what is needed to place a vertex.
+    /// Prefetches what place() needs.
     void prefetch(std::size_t slot) const {
         vcg::fcd::Prefetch(&state.position[slot]);
         vcg::fcd::Prefetch(&state.vertex[slot]);
         vcg::fcd::Prefetch(&mesh.vert[slot]);
     }
 
-    /// Gives the layer its rest shape back, to the bit; normals of faces are computed.
+    /// Gives the layer its rest shape, to the bit; normals of faces are computed.
     void restore();
 
     /// A number for a position; not 0.
     static std::uint64_t placeOf(const Point3m &position);
 
   private:
-    std::uint64_t countStrangers(); ///< vertices that are not where they were put
+    std::uint64_t countStrangers(); ///< number of vertices that are not at home
     bool followMove();
-    /// Whether a vertex is where it was put; that place is then the one that it has before a pose.
+    /// Whether a vertex is at a position that it was given; remembers it as the one before a pose.
     bool isAtHome(std::size_t slot);
 
     MeshModel &layer;
@@ -91,7 +90,7 @@ class RestShape {
     RestState &state;
 };
 
-/// Puts a posed layer at rest for as long as this lives: positions and normals. \pre checkVertices
+/// Puts positions and normals of a posed layer at rest while this object exists. \pre checkVertices
 class AtRest {
   public:
     explicit AtRest(MeshModel &layer);

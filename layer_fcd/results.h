@@ -7,19 +7,18 @@
 #include <vector>
 
 /// \file
-/// For a person at the window (host::inWindow): what was made from what, so that one try replaces another.
+/// Results of filters in the window (host::inWindow), and their sources, so that one try replaces another.
 
-/// Shows the last of \p results, if there are any, and hides the others and the \p source that they were made from.
-/// Only in the window.
+/// Shows the last of \p results, if there are any, and hides the others and their \p source. Only in the window.
 void showLast(MeshDocument &document, MeshModel &source, const std::vector<MeshModel *> &results);
 
-/// The same, and remembers what they were made from, so that another try replaces them.
+/// The same, and remembers the source, so that another try replaces the results.
 void showResult(MeshDocument &document, MeshModel &source, const std::vector<MeshModel *> &results);
 
-/// The layer that \p layer was made from, if that is still there and \p layer has not changed since; else \p layer.
+/// The source of \p layer, if it still exists and \p layer has not changed since; else \p layer.
 MeshModel &sourceOf(MeshDocument &document, MeshModel &layer);
 
-/// The results made from \p source before that have not changed since, to the bit: nothing was moved, painted, tagged,
+/// The earlier results of \p source that have not changed since, to the bit: nothing was moved, painted, tagged,
 /// deleted or renamed.
 std::vector<MeshModel *> earlierResults(MeshDocument &document, const MeshModel &source);
 

@@ -13,12 +13,12 @@ using vcg::fcd::Error;
 
 namespace {
 
-/// Where a file is written that is called \p path.
+/// The file that \p path names, after links.
 QString placeOf(const QString &path) {
     QFileInfo file(path);
     for (int links = 0; file.isSymLink() && links < 100; ++links) // the system follows fewer
         file.setFile(file.symLinkTarget());
-    const QString folder = QFileInfo(file.path()).canonicalFilePath(); // empty where there is none
+    const QString folder = QFileInfo(file.path()).canonicalFilePath(); // empty: it does not exist
     return folder.isEmpty() ? file.absoluteFilePath() : folder + "/" + file.fileName();
 }
 
@@ -26,12 +26,12 @@ QString placeOf(const QString &path) {
     throw Error("Cannot write '" + path.toStdString() + "': " + reason.toStdString() + ".");
 }
 
-/// Writes \p size bytes beside \p file.
+/// Writes \p size bytes to \p file, which is a temporary one beside \p path until it is committed.
 void write(QSaveFile &file, const QString &path, const char *data, std::size_t size) {
     if (!file.isOpen() && !file.open(QIODevice::WriteOnly | QIODevice::Unbuffered))
         failToWrite(path, file.errorString());
     for (std::size_t written = 0; written < size;) {
-        // A full disk takes a part first, and says what is wrong with the next one.
+        // A full disk takes a part first, and reports an error with the next one.
         const qint64 more = file.write(data + written, qint64(size - written));
         if (more <= 0)
             failToWrite(path, file.errorString());
@@ -44,7 +44,7 @@ void write(QSaveFile &file, const QString &path, const char *data, std::size_t s
 bool isSameFile(const QString &a, const QString &b) {
     const auto isOne = [](const QString &x, const QString &y) {
         const auto path = [](const QString &s) { return std::filesystem::u8path(s.toStdString()); };
-        std::error_code none; // where there is nothing yet
+        std::error_code none; // ignored: the file may not exist yet
         return x == y || std::filesystem::equivalent(path(x), path(y), none);
     };
     const auto name = [](const QString &place) {
@@ -58,7 +58,7 @@ bool isSameFile(const QString &a, const QString &b) {
 struct FilesToSave::Replacement {
     QString path;
     QFile present;
-    QSaveFile next, last; ///< the new content, and what undoes it
+    QSaveFile next, last; ///< the new content, and the old one to undo it
     bool isNew;
 
     Replacement(const QString &path, const QString &place)
@@ -84,7 +84,7 @@ FilesToSave::WriteAt FilesToSave::add(const QString &path) {
 void FilesToSave::save() {
     for (const auto &each : replacements) {
         Replacement &r = *each;
-        // The last file needs no way back.
+        // The last file need not be undone.
         if (r.isNew || each == replacements.back())
             continue;
         if (!r.present.open(QIODevice::ReadOnly))

@@ -16,25 +16,25 @@ struct FileContent {
     std::string text;
 };
 
-/// Whether \p a and \p b name one file. Links are followed, also to files that do not exist yet. Names that differ in
-/// case alone count as the same, since some systems do not tell them apart.
+/// Whether \p a and \p b name one file. Links are followed, also to files that do not exist yet. Names that differ only
+/// in case count as the same, as on some systems.
 bool isSameFile(const QString &a, const QString &b);
 
-/// Files that are written bit by bit, each beside what is there, and take its place together.
+/// Writes files in pieces, each beside an existing one, and replaces all of these at once.
 class FilesToSave {
   public:
     FilesToSave();
     FilesToSave(const FilesToSave &) = delete;
     FilesToSave &operator=(const FilesToSave &) = delete;
-    ~FilesToSave(); ///< what was not saved is gone
+    ~FilesToSave(); ///< discards what was not saved
 
-    /// Takes bytes that stand so many bytes from the beginning of the file. \throw vcg::fcd::Error as saveFiles
+    /// Writes bytes at an offset from the begin of the file. \throw as saveFiles
     using WriteAt = std::function<void(std::uint64_t at, const char *data, std::size_t size)>;
 
-    /// Begins a file. \return what writes it, as long as this object is there \throw vcg::fcd::Error as saveFiles
+    /// Begins a file. \return writes to it while this object exists \throw as saveFiles
     WriteAt add(const QString &path);
 
-    /// Puts all in their places, or leaves each as it was. \throw vcg::fcd::Error as saveFiles
+    /// Replaces all files, or none. \throw as saveFiles
     void save();
 
   private:
@@ -42,8 +42,8 @@ class FilesToSave {
     std::vector<std::unique_ptr<Replacement>> replacements;
 };
 
-/// Writes all of \p files, or leaves each as it was. What is there is replaced at once, and only when all is on the
-/// disk. Links stay links. \throw vcg::fcd::Error naming the file and the system's reason
+/// Writes all of \p files, or none: existing ones are replaced only when all is on the disk. Links stay links.
+/// \throw vcg::fcd::Error with the file and the system's reason
 void saveFiles(const std::vector<FileContent> &files);
 
 #endif

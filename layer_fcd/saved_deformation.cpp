@@ -8,8 +8,7 @@
 
 namespace {
 
-/// Maps positions, displacements and how the surface turns from the coordinates of a layer to those of the world. What
-/// rests goes on doing so to the bit.
+/// Maps positions and linear maps from the coordinates of a layer to the world. Vertices at rest stay so, to the bit.
 void toWorld(const Eigen::Affine3d &matrix, Eigen::Matrix3Xd &rest, Eigen::Matrix3Xd &deformed,
              std::vector<Eigen::Matrix3f> &linear) {
     if (matrix.matrix().isIdentity(0))

@@ -7,17 +7,17 @@
 
 #include "parameters.h"
 
-/// A deformation that was saved.
+/// The result of saveDeformation.
 struct SavedDeformation {
     vcg::fcd::SampledField field;
-    vcg::fcd::Index folded = 0; ///< vertices of the source from where there is no way back; 0 where it is not asked for
-    std::size_t bytes = 0;      ///< of the file
-    double seconds = 0;         ///< that it took
+    vcg::fcd::Index folded = 0; ///< vertices of the source without an inverse; 0 if none is saved
+    std::size_t bytes = 0;      ///< size of the file
+    double seconds = 0;         ///< time to save it
 };
 
-/// Writes what was done to a layer to a file, in world coordinates, or the way back from it.
-/// \throw vcg::fcd::Error when the layers are not those of one deformation, the accuracy is below 0, or the file cannot
-/// be written; it is then as it was \throw vcg::fcd::Cancelled
+/// Writes the deformation of a layer, or its inverse, to a file, in world coordinates.
+/// \throw vcg::fcd::Error the layers are not those of one deformation, the accuracy is below 0, or the file cannot be
+/// written; vcg::fcd::Cancelled; the file is then as it was
 SavedDeformation saveDeformation(const SaveDeformationParam &param, const vcg::fcd::Progress &progress);
 
 #endif

@@ -63,7 +63,7 @@ QCborMap mapOf(const KeptScan &scan, const LiveVertices &live) {
     return map;
 }
 
-/// The same, read; for the vertices of a layer, which had a shape when it was saved.
+/// Reads it, for the vertices of a layer. \param shown the layer's shape when it was saved
 KeptScan scanOf(const Reader &from, const LiveVertices &live, const Shape &shown) {
     const CMeshO &mesh = live.mesh;
     KeptScan scan;
@@ -116,7 +116,7 @@ Shape shapeOf(const Reader &from, const LiveVertices &live) {
     return shape;
 }
 
-/// How far the vertices of a layer are from a shape, at most.
+/// The largest distance of a layer's vertices from a shape.
 double distanceFrom(const CMeshO &mesh, const Shape &shape) {
     double most = 0;
     for (std::size_t i = 0; i < mesh.vert.size(); ++i)
@@ -254,7 +254,7 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
     next.fit = fit;
     const std::vector<float> painted = paintedOf(from, live);
 
-    // The layer may be at rest, as when its scan was opened again.
+    // The layer may also be at rest, if its file was opened again.
     Eigen::AlignedBox3d box;
     for (const CVertexO &vertex : mesh.vert)
         if (!vertex.IsD())
@@ -276,7 +276,7 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
         shownQuality = from.in("scan").array<double>("shown_quality", 1);
     }
 
-    // From here on, nothing fails.
+    // Nothing can fail from here on.
     LayerState &state = LayerState::made(document, layer);
     SessionContents contents = contentsOf(next);
     if (!painted.empty())

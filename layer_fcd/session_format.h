@@ -19,7 +19,7 @@
 #include <QtEndian>
 
 /// \file
-/// What a session (session_file.h) is made of: arrays with a value for each live vertex, and what a file says.
+/// Reads and writes the elements of a session (session_file.h): values, and arrays with a value for each live vertex.
 
 /// The tag of a typed array, RFC 8746.
 template <class T>
@@ -43,7 +43,7 @@ class LiveVertices {
   public:
     explicit LiveVertices(const CMeshO &mesh) : mesh(mesh), packing(mesh.vert, mesh.vn) {}
 
-    /// \p count values for each: take(slot, values).
+    /// An array with \p count values for each vertex. \param take take(slot, values): sets them
     template <class T, class Take>
     QCborValue array(int count, const Take &take) const {
         std::vector<T> values(std::size_t(mesh.vn) * std::size_t(count));
@@ -65,7 +65,7 @@ class LiveVertices {
                 {QString("normal"), points([&](std::size_t i) -> auto & { return shape.normal[i]; })}};
     }
 
-    /// The number of a live vertex among these, from its slot.
+    /// The number of a live vertex among these. \param slot of the vertex
     std::size_t numberOf(std::size_t slot) const { return packing(slot); }
 
     /// A number for the live faces, in hexadecimal digits.
@@ -78,7 +78,7 @@ class LiveVertices {
         return QByteArray::number(qulonglong(XXH3_64bits(corner.data(), corner.size() * sizeof(std::uint32_t))), 16);
     }
 
-    /// give(slot, values) of an array with \p count values for each.
+    /// Calls give(slot, values) for each vertex of an array with \p count values each.
     template <class T, class Give>
     void read(const std::vector<T> &values, int count, const Give &give) const {
         packing.forEach([&](std::size_t i, std::size_t j) { give(i, &values[j * std::size_t(count)]); });
@@ -90,7 +90,7 @@ class LiveVertices {
     Packing packing;
 };
 
-/// Reads a file without trusting it: each value is checked.
+/// Reads a file, and checks each value.
 class Reader {
   public:
     Reader(const QCborMap &map, const QString &file, int vertices) : map(map), file(file), vertices(vertices) {}

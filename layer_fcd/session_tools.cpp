@@ -19,7 +19,7 @@ static QCborValue valueOf(const Matrix44m &matrix) {
     return arrayOf(std::move(values));
 }
 
-/// The saved matrix, which the layer has or is to get.
+/// The saved matrix, if the layer has it, or has none and shall get it. \throw Error the layer has another matrix
 static Matrix44m matrixThen(const Reader &from, const MeshModel &layer, const QString &file) {
     Matrix44m matrix;
     const std::vector<double> values = from.array<double>("matrix", 16, 1);
@@ -54,7 +54,7 @@ std::shared_ptr<ToolState> toolOf(const Reader &all, const MeshModel &layer, con
         ToolState{from.text("state"), from.flag("posed"), 0, matrixThen(from, layer, file)});
     if (tool->isPosed && !all.has("rest"))
         from.fail("rest is missing");
-    readBendText(tool->text, file.toStdString(), liveSlots(layer.cm), layer.cm.vert.size()); // or says what is wrong
+    readBendText(tool->text, file.toStdString(), liveSlots(layer.cm), layer.cm.vert.size()); // throws if it is wrong
     return tool;
 }
 

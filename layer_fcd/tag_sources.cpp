@@ -23,7 +23,7 @@ namespace {
 /// The meaning of the tags, for messages.
 const char *const tagMeaning = "0 = fixed, 1 = free, 2, 3, ... = handles, negative = outside";
 
-/// Tags from a number per slot, where \p of(slot) gives the number. \p what names the numbers in messages.
+/// Tags from the numbers of(slot). \param what name of the numbers, for messages
 template <class NumberOf>
 std::vector<int> tagsFrom(const MeshModel &layer, const std::string &what, const NumberOf &of) {
     const CMeshO &mesh = layer.cm;

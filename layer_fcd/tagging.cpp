@@ -21,7 +21,7 @@ using vcg::fcd::TagCount;
 
 namespace {
 
-/// The attribute \p name, null when there is none. \throw Error when it holds something else than a scalar
+/// The attribute \p name; null: none. \throw Error it is no scalar
 const vcg::PointerToAttribute *scalarAttribute(const CMeshO &mesh, const QString &name) {
     for (const vcg::PointerToAttribute &attribute : mesh.vert_attr) {
         if (attribute._name != name.toStdString())
@@ -35,7 +35,7 @@ const vcg::PointerToAttribute *scalarAttribute(const CMeshO &mesh, const QString
     return nullptr;
 }
 
-/// Whether the tags can be kept there. \return the attribute, if it is there already \throw Error
+/// \return the attribute of \p target, if it exists \throw Error the target cannot hold the tags
 const vcg::PointerToAttribute *expectFit(const CMeshO &mesh, const std::vector<int> &tag, const TagTarget &target) {
     const vcg::PointerToAttribute *attribute = nullptr;
     bool single = std::is_same<CVertexO::QualityType, float>::value;
@@ -50,8 +50,8 @@ const vcg::PointerToAttribute *expectFit(const CMeshO &mesh, const std::vector<i
     return attribute;
 }
 
-/// The tags that \p layer has, one per slot of its vertices; all free where it has none yet. \throw Error when the
-/// quality or attribute holds other numbers than tags
+/// The tags of \p layer, one per vertex slot; all free if it has none yet. \throw Error the quality or attribute holds
+/// numbers that are no tags
 std::vector<int> presentTags(const MeshModel &layer, const TagTarget &target) {
     const CMeshO &mesh = layer.cm;
     HandleParam source;
@@ -91,7 +91,7 @@ vcg::Color4b colorOfTag(int tag) {
         return color(59, 111, 201);
     if (tag == 1)
         return color(240, 197, 60);
-    // Two sequences that spread evenly, however many handles there are: one darkens the red, the other lightens it.
+    // Two sequences that spread evenly for any number of handles: one darkens the red, the other lightens it.
     const auto fraction = [&](double step) { return std::fmod((tag - 2) * step, 1); };
     const double dark = 1 - 0.5 * fraction(0.6180339887), light = 0.45 * fraction(0.7548776662);
     const auto shade = [&](double x) { return dark * x + light * (255 - dark * x); };
@@ -112,7 +112,7 @@ TagCount writeTags(const MeshDocument &document, MeshModel &layer, const std::ve
     if (target.attribute.isEmpty()) {
         layer.updateDataMask(MeshModel::MM_VERTQUALITY);
         write([&](std::size_t i) -> auto & { return mesh.vert[i].Q(); });
-        dropMarks(layer); // which these tags take the place of
+        dropMarks(layer); // these tags replace them
     } else {
         if (!attribute) {
             vcg::tri::Allocator<CMeshO>::AddPerVertexAttribute<Scalarm>(mesh, target.attribute.toStdString());
@@ -135,7 +135,7 @@ TagCount writeTags(const MeshDocument &document, MeshModel &layer, const std::ve
 
 namespace {
 
-/// The tags of \p layer with those of selected vertices, and of the vertices of selected faces, set.
+/// The tags of \p layer, changed for selected vertices and the vertices of selected faces.
 std::vector<int> withSelection(const MeshModel &layer, const TagParam &param) {
     const CMeshO &mesh = layer.cm;
     std::vector<char> selected = onSelectedFaces(layer);
@@ -166,10 +166,10 @@ std::vector<int> tagsFor(const MeshModel &layer, const TagParam &param) {
         source.source = HandleParam::Attribute;
         source.tagAttribute = param.target.attribute;
     }
-    return readTags(layer, source); // and no file of tags that nobody has made
+    return readTags(layer, source); // throws if there are no tags
 }
 
-/// Matrices of handles 2, 3, ... as a file has them.
+/// The matrices of handles 2, 3, ..., for a file.
 std::vector<Eigen::Matrix4d> matricesFor(const MeshDocument &document, const MeshModel &layer,
                                          const std::vector<int> &tag, const HandleParam &motions,
                                          const Remark &remark) {

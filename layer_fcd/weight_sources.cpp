@@ -55,7 +55,7 @@ std::vector<float> paintedWeights(const MeshModel &layer) {
     std::vector<float> weights;
     try {
         weights = readWeights(layer, FitMeshParam::WeightsAttribute, FitMeshParam::paintedAttribute);
-    } catch (const Error &) { // it has none, or something else of that name
+    } catch (const Error &) { // there is none, or of another type
         return {};
     }
     const bool arePainted =

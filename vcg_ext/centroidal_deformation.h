@@ -8,13 +8,12 @@
 #include <vcg/complex/complex.h>
 
 /// \file
-/// Fast centroidal deformation of a mesh in one call. After A. Morsucci, M. Centin, A. Signoroni: Fast centroidal
-/// deformation for large mesh models, STAG 2018. The functions of vcg::tri read a VCG mesh of any type, once; those of
-/// vcg::fcd that they call take plain arrays, and are compiled once (deformer.h).
+/// Fast centroidal deformation of a VCG mesh, of any type, in one call. After A. Morsucci, M. Centin, A. Signoroni:
+/// Fast centroidal deformation for large mesh models, STAG 2018. For plain arrays, or many poses, see deformer.h.
 
 namespace vcg::tri {
 
-/// The normals of the vertices of a mesh, which must outlive the result.
+/// The normals of a mesh's vertices; empty if it has none. \param m must outlive the result
 template <class MeshType>
 fcd::NormalOf NormalsOf(const MeshType &m) {
     if (!vcg::tri::HasPerVertexNormal(m))
@@ -25,7 +24,7 @@ fcd::NormalOf NormalsOf(const MeshType &m) {
     };
 }
 
-/// fcd::BuildCentroidalGraph (deformer.h) of a VCG mesh, which is not changed.
+/// fcd::BuildCentroidalGraph (deformer.h) of a VCG mesh. \throw fcd::BadInput, fcd::Cancelled as that
 template <class MeshType>
 fcd::CentroidalGraph BuildCentroidalGraph(const MeshType &m, const fcd::GraphParam &param,
                                           const fcd::Progress &progress = {},
@@ -35,8 +34,8 @@ fcd::CentroidalGraph BuildCentroidalGraph(const MeshType &m, const fcd::GraphPar
     return fcd::BuildCentroidalGraph(arrays.View(), NormalsOf(m), param, progress, metric);
 }
 
-/// fcd::DeformSurface (deformer.h) of a VCG mesh, which is not changed. Deformed positions: result.position, mesh
-/// units.
+/// fcd::DeformSurface (deformer.h) of a VCG mesh, which is not changed: the deformed positions are result.position,
+/// mesh units. \throw fcd::BadInput, fcd::Unsolvable, fcd::Cancelled as that
 template <class MeshType>
 fcd::DeformationResult DeformCentroidal(const MeshType &m, const fcd::Handles &handles,
                                         const fcd::DeformationParam &param, const fcd::Progress &progress = {}) {

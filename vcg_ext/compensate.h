@@ -13,56 +13,56 @@
 #include <vector>
 
 /// \file
-/// What to make so that the nominal part comes out: turns round the warp of a printed, sintered or pressed part, which
-/// its scan tells.
+/// Compensates the warp of a printed, sintered or pressed part: finds the warp from a scan, and the shape to make so
+/// that the nominal part comes out.
 
 namespace vcg::fcd {
 
 /// How a part is compensated.
 struct CompensateParam {
     int degree = 5;      ///< of the warp, 1 to 7
-    int samples = 12000; ///< places of the nominal surface that are matched, 100 to a million
-    double largestDistance = std::numeric_limits<double>::infinity(); ///< of matches, > 0
+    int samples = 12000; ///< points of the nominal surface that are matched, 100 to a million
+    double largestDistance = std::numeric_limits<double>::infinity(); ///< of matches, units of the vertices, > 0
 };
 
 /// How far the part was warped, and what is made of it. Lengths are in units of the vertices.
 struct CompensateReport {
-    double before = 0, left = 0; ///< distance of the scan from the nominal surface laid onto it, root mean square where
-                                 ///< that is scanned: as it is, and after the warp
-    double scanned = 0;          ///< share of the nominal surface that is matched, [0, 1]
-    double change = 0, changeMost = 0; ///< of the vertices: root mean square, most
+    double before = 0, left = 0;       ///< rms distance of the scan from the nominal surface laid onto it, where it is
+                                       ///< scanned: rigidly, and after the warp
+    double scanned = 0;                ///< share of the nominal surface that is matched, [0, 1]
+    double change = 0, changeMost = 0; ///< displacement of the vertices: rms, and the largest
     double missed = 0;                 ///< largest distance of the predicted print from the nominal vertices
     double rounding = 0;               ///< distances below this are rounding, not warp
-    double spacing = 0;                ///< of a cloud's points, if they are all over the part; 0: triangles
-    double thickness = 0;              ///< of the part, mean; infinity where normals tell its sides
+    double spacing = 0;                ///< of a cloud's points, if they cover the part; 0: triangles
+    double thickness = 0;              ///< of the part, mean; infinity if normals tell its sides
     Eigen::Affine3d placed = Eigen::Affine3d::Identity(); ///< the rigid motion from the nominal part to the scan
 
-    /// A sentence for each thing that is not to be trusted.
+    /// Warnings for users, a sentence each.
     std::vector<std::string> Warnings() const;
 };
 
-/// The way from a nominal part to what to make.
+/// The map from a nominal part to the shape to make.
 class Compensation {
   public:
-    Compensation() = default; ///< moves nothing
-    /// Finds the warp. \pre the scan lies on the nominal part, up to the warp and what matching finds
+    Compensation() = default; ///< the identity
+    /// Finds the warp. \pre the scan lies about where the nominal part does
     /// \param nominal triangles \param scan triangles or points \param scanNormal of points; may be empty
     /// \throw BadInput a nominal surface without area, a scan without vertices, nothing matched, a parameter out of
     /// range \throw Cancelled
     Compensation(const SurfaceView &nominal, const SurfaceView &scan, const NormalOf &scanNormal,
                  const CompensateParam &param, const Progress &progress = {});
 
-    /// Where to make a place of the nominal part.
+    /// Where to make the point \p p of the nominal part.
     Eigen::Vector3d operator()(const Eigen::Vector3d &p) const;
-    /// The derivative of that. \param made its value
+    /// The derivative of operator() where its value is \p made.
     Eigen::Matrix3d LinearAt(const Eigen::Vector3d &made) const;
-    /// Where a place that is made comes to lie in the print, aligned with the nominal part.
+    /// Where a made point \p p comes to lie in the print, aligned with the nominal part.
     Eigen::Vector3d Predicted(const Eigen::Vector3d &p) const;
 
     CompensateReport report;   ///< of all vertices
-    Eigen::Matrix3Xd position; ///< what to make, a column for each vertex slot of the nominal part
+    Eigen::Matrix3Xd position; ///< the shape to make, 3 x vertex slots of the nominal part
 
-    /// All that it is, but position. \param take gets the fields
+    /// Calls take(fields ...) with all fields except position, to save and load them.
     template <class Take>
     void Fields(const Take &take) {
         take(report.before, report.left, report.scanned, report.change, report.changeMost, report.missed,
@@ -75,8 +75,8 @@ class Compensation {
 
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     double scale = 1;
-    SmoothWarp warp;                                      // of the frame
-    Eigen::Affine3d placed = Eigen::Affine3d::Identity(); // the rigid part of it
+    SmoothWarp warp;                                      // in units of scale, about middle
+    Eigen::Affine3d placed = Eigen::Affine3d::Identity(); // the rigid part of the warp
 };
 
 } // namespace vcg::fcd

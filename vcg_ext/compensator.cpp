@@ -16,8 +16,8 @@ namespace vcg::fcd {
 
 namespace {
 
-/// Places of triangles that stand for the same area each, and the normals there. \param volume out: that they enclose;
-/// like the area that is returned, in units of the diagonal
+/// Samples the triangles: points that stand for the same area each, and their normals, in units of \p scale.
+/// \param volume out: that the triangles enclose \return their area
 double SampleEvenly(const SurfaceView &mesh, int wanted, const Eigen::Vector3d &middle, double scale, WarpGoal &goal,
                     double &volume) {
     std::vector<double> area(mesh.faces, 0);
@@ -38,7 +38,7 @@ double SampleEvenly(const SurfaceView &mesh, int wanted, const Eigen::Vector3d &
     for (std::size_t f = 0; f < mesh.faces; ++f) {
         passed += area[f] / all * wanted;
         while (passed >= double(goal.place.size()) + 0.5) {
-            // Within a triangle, places of a low-discrepancy sequence (Roberts' R2).
+            // Within a triangle, points of a low-discrepancy sequence (Roberts' R2).
             const double n = double(goal.place.size()) + 1;
             double u = n * 0.7548776662466927, v = n * 0.5698402909980532;
             u -= std::floor(u);
@@ -56,13 +56,13 @@ double SampleEvenly(const SurfaceView &mesh, int wanted, const Eigen::Vector3d &
     return all / 2;
 }
 
-/// The scan as it is matched.
+/// Finds the match of a point on the scan.
 class ScanSurface {
   public:
     /// \param spacing of a cloud's points, if they are all over the part; 0: triangles
     ScanSurface(const FitTarget &target, double spacing) : target(target), spacing(spacing) {}
 
-    /// Takes the scan's normals turned over, where most of what is near looks the other way.
+    /// Flips the scan's normals if most of those near the part point the other way.
     void FindSide(const WarpGoal &goal, unsigned threads) {
         std::vector<double> far(goal.place.size()), cosine(goal.place.size(), 0);
         ParallelFor(threads, goal.place.size(), 64, [&](std::size_t first, std::size_t last) {
@@ -76,7 +76,7 @@ class ScanSurface {
         side = SideOfNearest(far, cosine);
     }
 
-    /// Of a cloud, it lies on the plane at its nearest point, where that is no farther along it than points are apart.
+    /// In a cloud, the match lies on the plane through the nearest point, if it is within two spacings of that point.
     WarpMatch Match(const Eigen::Vector3d &at) const {
         const FitTarget::Match match = target.Nearest(at);
         const Eigen::Vector3d foot = at - match.normal * match.normal.dot(at - match.point);
@@ -91,10 +91,10 @@ class ScanSurface {
     double side = 1;
 };
 
-// A match that is farther than so many times the distance that nineteen in twenty are within is none.
+// A match does not count if it is farther than this times the distance within which 95 % of the matches lie.
 constexpr double farOff = 3;
-// Of printed, sintered and pressed parts: they shrink by a hundredth or two unevenly, and lift at their ends by a
-// hundredth of their length, which is bending by 8 hundredths.
+// Printed, sintered and pressed parts shrink unevenly by a hundredth or two, and lift at their ends by a hundredth of
+// their length, which is a bending of 8 hundredths.
 constexpr double typicalStrain = 0.01, typicalBending = 0.1;
 
 } // namespace
@@ -110,7 +110,7 @@ Compensation::Compensation(const SurfaceView &nominal, const SurfaceView &scan, 
     for (std::size_t i = 0; i < nominal.vertexSlots; ++i)
         if (!nominal.IsDeleted(i) && !nominal.At(i).allFinite())
             throw BadInput("Vertex " + std::to_string(i) + " of the nominal part has a coordinate that is not finite.");
-    for (std::size_t f = 0; f < nominal.faces; ++f) // what is at no face is no part of it
+    for (std::size_t f = 0; f < nominal.faces; ++f) // vertices without a face are no part of it
         for (std::size_t k = 0; nominal.IsFace(f) && k < 3; ++k)
             box.extend(Eigen::Vector3d(nominal.At(nominal.corner[3 * f + k])));
     middle = box.center();
@@ -129,13 +129,13 @@ Compensation::Compensation(const SurfaceView &nominal, const SurfaceView &scan, 
     goal.degree = param.degree;
     goal.typicalBending = typicalBending;
     goal.typicalStrain = typicalStrain;
-    goal.noise = std::max(goal.noise, spacing / 10); // planes through a cloud's points cut edges by as much
+    goal.noise = std::max(goal.noise, spacing / 10); // planes through a cloud's points cut edges by about this
     goal.farthest = param.largestDistance / scale;
-    goal.expected = typicalStrain / 2; // a flat side slides along itself, and its rims alone tell that it shrank
+    goal.expected = typicalStrain / 2; // a flat side slides along itself; only its rims show that it shrank
     WarpReport lies;
     warp = FitWarp(goal, progress.Slice(0.1, 0.6), &lies);
 
-    // Where the scan lies is no warp: the rigid motion nearest to it is taken out.
+    // The position of the scan is no warp: the rigid motion nearest to the warp is taken out.
     std::vector<Eigen::Vector3d> warped;
     warped.reserve(goal.place.size());
     for (const Eigen::Vector3d &each : goal.place)
@@ -172,13 +172,13 @@ Compensation::Compensation(const SurfaceView &nominal, const SurfaceView &scan, 
 
 void Compensation::MakeVertices(const SurfaceView &nominal, const Eigen::AlignedBox3d &box, const Progress &progress) {
     position.resize(3, Eigen::Index(nominal.vertexSlots));
-    std::vector<double> missed(nominal.vertexSlots, -1); // less than 0: no part of it
+    std::vector<double> missed(nominal.vertexSlots, -1); // < 0: the vertex is not part of it
     ParallelFor(progress, "Compensating", nominal.vertexSlots, 1 << 10, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
             const Eigen::Vector3d p = nominal.At(i);
             auto made = position.col(Eigen::Index(i));
             made = p;
-            if (nominal.IsDeleted(i) || !box.contains(p)) // beyond the part a polynomial tells nothing
+            if (nominal.IsDeleted(i) || !box.contains(p)) // outside of the part, a polynomial has no meaning
                 continue;
             made = (*this)(p);
             missed[i] = ((Predicted(made) - p) / scale).norm();
@@ -221,7 +221,7 @@ std::vector<std::string> CompensateReport::Warnings() const {
         found.push_back(line.str());
         line.str("");
     };
-    if (scanned < 0.3) { // then most of the warp is a guess
+    if (scanned < 0.3) { // most of the warp is a guess
         line << "Only " << 100 * scanned
              << " percent of the nominal part have a counterpart on the scan: the rest is a guess. Scan more of it, or "
                 "align the two first.";

@@ -30,19 +30,19 @@ GraphGeometry GeometryOf(const SurfaceGraph &surface, const Patches &patches, co
     return g;
 }
 
-/// Takes the normal of a vertex that is at the centre of a patch. \param node of the vertex
+/// Sets the normal of a patch's node, if \p node, of vertex \p slot, is the patch's centre.
 void TakeNormal(const NormalOf &normal, std::uint32_t slot, Index node, const Patches &patches, GraphGeometry &g) {
     if (const Index patch = patches.patchOf[std::size_t(node)];
         patch >= 0 && patches.center[std::size_t(patch)] == node)
         g.normal.col(patch) = normal(slot);
 }
 
-/// Angle of a rotation given as a unit quaternion (w, x, y, z).
+/// The angle of a rotation, a unit quaternion (w, x, y, z), in degrees.
 float DegreesOf(const Eigen::Vector4d &q) {
     return float(2 * detail::ArcTangent(q.tail<3>().norm(), std::abs(q[0])) * 180 / detail::pi);
 }
 
-/// Puts one graph behind another.
+/// Appends one graph to another.
 void Append(const GraphGeometry &part, GraphGeometry &all) {
     const auto first = Index(all.position.cols()), added = Index(part.position.cols());
     all.position.conservativeResize(3, first + added);
@@ -57,7 +57,7 @@ void Append(const GraphGeometry &part, GraphGeometry &all) {
         all.edge.push_back({first + i, first + j});
 }
 
-/// The graph of a region before and after, behind those in \p result.
+/// Appends the graph of a region, at rest and deformed, to those of \p result.
 void ShowGraph(const NormalOf &normal, const MovingRegion &region, const RegionPose &pose, DeformationResult &result) {
     const SurfaceGraph &surface = region.surface;
     const DeformationGraph &graph = region.graph;
@@ -82,7 +82,7 @@ void ShowGraph(const NormalOf &normal, const MovingRegion &region, const RegionP
     Append(deformed, result.deformed);
 }
 
-/// How a pose stretches and turns a region, at its nodes. \param posed 3 x n, frame units
+/// Stretch and rotation (degrees) of a pose at the n nodes of a region. \param posed 3 x n, frame units
 void MeasureRegion(const MovingRegion &region, const RegionPose &pose, const Eigen::Matrix3Xf &posed,
                    std::vector<float> &stretch, std::vector<float> &rotation, const Progress &progress) {
     const SurfaceGraph &surface = region.surface;
@@ -105,7 +105,7 @@ void MeasureRegion(const MovingRegion &region, const RegionPose &pose, const Eig
             const Eigen::Matrix3d patch =
                 at < 0 ? Eigen::Matrix3d::Identity() : detail::RotationOf(pose.graph.linear[at]);
             const double size = std::sqrt(before * after);
-            s += (size > 0 ? 1e-3 * size : 1) * patch.transpose(); // what the edges leave open is as the patch turned
+            s += (size > 0 ? 1e-3 * size : 1) * patch.transpose(); // decides what the edges leave open
             const Eigen::Vector4d q = detail::FitQuaternion(s);
             stretch[u] = before > 0 ? float(std::sqrt(after / before)) : 1.f;
             rotation[u] = DegreesOf(q);
@@ -122,7 +122,7 @@ SurfaceMeasure MeasurePose(const Deformer &deformer, const Deformer::Pose &pose,
     result.stretch.assign(slots, 1);
     result.rotation.assign(slots, 0);
     std::vector<float> stretch, rotation;                     // of the nodes of a region
-    for (std::size_t r = deformer.regions.size(); r-- > 0;) { // of what holds several, the first is shown
+    for (std::size_t r = deformer.regions.size(); r-- > 0;) { // a vertex of several regions shows the first
         const MovingRegion &region = *deformer.regions[r];
         const auto forVertices = [&](const auto &body) {
             for (const auto *list : {&region.beside, &region.bent})
@@ -176,7 +176,7 @@ DeformationCheck CheckPose(const SurfaceView &mesh, const Handles &handles, cons
 SurfaceContact ContactOf(const SurfaceView &mesh, const Deformer &deformer, const PositionsRef &position,
                          const DeformerParam &param, const Progress &progress) {
     const double unit = detail::UnitOf(deformer.frame.scale);
-    // What is a hair apart is at one place, and no less than what the mapping rounds by.
+    // The distance of welds, but no less than what the mapping rounds by.
     SurfaceContact contact = FindContact(mesh, position, deformer.frame.metric / unit,
                                          std::max(param.weldDistance, defaultWeldDistance), progress);
     contact.largest *= unit;
@@ -189,7 +189,7 @@ double PercentToContact(const SurfaceView &mesh, const Deformer &deformer,
                         const std::function<Deformer::Pose(double, const Progress &)> &solve,
                         const DeformationParam &param, const Progress &progress) {
     Eigen::Matrix3Xd position;
-    double done = 0; // of eight tries, the whole motion and seven that halve what is left
+    double done = 0; // of eight tries: the whole motion, and seven of the bisection
     const auto isFree = [&](int hundredths) {
         const Progress part = progress.Slice(done / 8, (done + 1) / 8);
         ++done;
@@ -200,7 +200,7 @@ double PercentToContact(const SurfaceView &mesh, const Deformer &deformer,
     };
     if (isFree(100))
         return param.pose;
-    int last = 0, first = 100; // that is free, and that is not
+    int last = 0, first = 100; // the last that is free, the first that is not
     while (first - last > 1) {
         const int middle = (last + first) / 2;
         (isFree(middle) ? last : first) = middle;

@@ -12,7 +12,7 @@ namespace vcg::fcd {
 
 namespace {
 
-/// The box of the nodes of a region, in world units, with an origin of its own.
+/// The box of the nodes of a region, world units.
 Eigen::AlignedBox3d BoxOf(const MovingRegion &region) {
     const Frame &frame = region.surface.frame;
     const Eigen::Matrix3Xf &at = region.graph.graph.position;
@@ -81,7 +81,7 @@ SurfacePose Deformer::SolveRegions(HeldMotions motions, const Pose *last, const 
     ForRegions(progress, "Deforming the graph", [&](std::size_t i, const Progress &part) {
         const HeldMotions own = Region(i).OwnOf(motions);
         const RegionPose *before = last ? &last->region[i] : nullptr;
-        const bool isSame = before && before->graph.converged && before->given == own; // and at rest
+        const bool isSame = before && before->graph.converged && before->given == own; // the pose would not change
         poses[i] = isSame ? *before : solve(Region(i), own, before, part);
     });
     return SumOf(std::move(motions), std::move(poses));
@@ -107,8 +107,8 @@ SurfacePose Deformer::Solve(const Handles &handles, const DeformationParam &para
 SurfacePose Deformer::SolveAlong(const Way &way, const DeformationParam &param, const Pose *begin,
                                  const Progress &progress) const {
     HeldMotions end = way(1, 1);
-    std::mutex lock;                                      // of what follows
-    std::map<std::pair<int, int>, HeldMotions> motionsAt; // of all that is held, by step and steps
+    std::mutex lock;                                      // of motionsAt
+    std::map<std::pair<int, int>, HeldMotions> motionsAt; // by step and steps
     const auto motionsOf = [&](int step, int steps) -> const HeldMotions & {
         if (step == steps)
             return end;

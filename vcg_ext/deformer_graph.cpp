@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How many patches a region's graph has, the graph, and how far off its poses are.
+// The deformation graph of a region: its number of patches, and the error of its poses.
 #include <vcg_ext/base/elementary.h>
 #include <vcg_ext/base/rotation_vector.h>
 #include <vcg_ext/region_deformer.h>
@@ -15,7 +15,7 @@ namespace vcg::fcd {
 
 namespace {
 
-// Its systems take some hundred numbers a node, and a pose of so many takes minutes.
+// The most nodes of a region: a pose of so many takes minutes.
 constexpr Index mostNodes = 200000;
 
 } // namespace
@@ -46,7 +46,7 @@ void RegionDeformer::MakeGraph(const ReadRegion &read, int count, bool rough, Ke
                                const Progress &progress) {
     GraphParam p = param.graph;
     p.initialPatches = count;
-    if (rough) // asked once for all seeds, so that they have as many
+    if (rough) // the automatic number shall not depend on the seed
         p.randomSeed = GraphParam().randomSeed;
     latest = nullptr;
     D = vcg::fcd::TargetRadius(surface, p, param.shape.patchRadius);
@@ -74,15 +74,15 @@ void RegionDeformer::MakeGraph(const ReadRegion &read, int count, bool rough, Ke
 std::vector<Index> RegionDeformer::PartOfNodes() const {
     std::vector<Index> part;
     part.reserve(patches.center.size());
-    for (Index center : patches.center) { // a patch around a small held part is of its tag, though it is open
+    for (Index center : patches.center) { // an open patch around a small held part counts as held
         const Index tag = held.tag[std::size_t(center)], before = held.Original(tag);
-        part.push_back(before >= 0 ? before : tag); // of a point, its own
+        part.push_back(before >= 0 ? before : tag); // a point handle keeps its own tag
     }
     return part;
 }
 
 HeldMotions RegionDeformer::Probe(int axis) const {
-    const double turn = double(EIGEN_PI) / 3, way = 0.1; // as far as one step leads; a tenth of the diagonal
+    const double turn = double(EIGEN_PI) / 3, way = 0.1; // the turn of one step; a tenth of the diagonal
     const Eigen::Vector3d along = Eigen::Vector3d::Unit(axis);
     const Eigen::Affine3d move(Eigen::Translation3d(way * along));
     HeldMotions m;
@@ -90,7 +90,7 @@ HeldMotions RegionDeformer::Probe(int axis) const {
     for (const auto &[tag, its] : holding) {
         if (tag == 0)
             continue;
-        const bool turns = its.count > 1; // a single vertex does not, as a point does not
+        const bool turns = its.count > 1; // single vertices do not turn, nor do point handles
         Eigen::Affine3d moved(turns ? detail::RotationBy(turn, along) : Eigen::Matrix3d(Eigen::Matrix3d::Identity()));
         moved.translation() = its.middle - moved.linear() * its.middle;
         m.motion[tag] = surface.frame.FromFrame(move * moved);
@@ -104,12 +104,12 @@ HeldMotions RegionDeformer::Probe(int axis) const {
 
 double RegionDeformer::TurnError(const Progress &progress) const {
     std::array<double, 3> error;
-    error.fill(std::numeric_limits<double>::quiet_NaN()); // what cannot be solved cannot be told
+    error.fill(std::numeric_limits<double>::quiet_NaN()); // unknown, if it cannot be solved
     const Eigen::Matrix3Xf &rest = graph.graph.position;
     const double diagonal =
         rest.cols() > 0 ? double((rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm()) : 0;
     SolverParam solver;
-    solver.tolerance = coarseError / 200; // at rest to a small part of what most surfaces are off
+    solver.tolerance = coarseError / 200; // far below the error of most surfaces
     solver.maxIterations = 100;
     solver.follow = true;
     ParallelTasks(progress, "Estimating the error", error.size(), [&](std::size_t axis, const Progress &each) {
@@ -117,7 +117,7 @@ double RegionDeformer::TurnError(const Progress &progress) const {
             const Pose probe = Solve(Probe(int(axis)), solver, nullptr, each.Slice(0, 0.5));
             const double off = DiscretisationError(probe, solver, each.Slice(0.5, 1));
             error[axis] = off > 0 ? off / diagonal : off;
-        } catch (const Unsolvable &) { // said to whoever poses it
+        } catch (const Unsolvable &) { // a later Solve throws it
         }
     });
     double product = 1;

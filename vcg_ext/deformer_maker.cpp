@@ -12,7 +12,7 @@
 
 namespace vcg::fcd {
 
-/// Makes a Deformer: reads its regions, and prepares them side by side.
+/// Makes a Deformer: reads its regions, and prepares them in parallel.
 class DeformerMaker {
   public:
     DeformerMaker(const SurfaceView &mesh, const Handles &handles, const DeformerParam &param, const Deformer *kept)
@@ -37,7 +37,7 @@ class DeformerMaker {
                 whole.tag[i] = mesh.IsDeleted(i) ? noVertex : std::max(-1, tag[i]);
         });
         same = SameAs(whole);
-        TagSame(whole.tag, mesh.isCloud ? 0 : noVertex); // any point may be a neighbour
+        TagSame(whole.tag, mesh.isCloud ? 0 : noVertex); // in a cloud, kept points may be neighbours
         RegionReader reader(param, metric);
         ReadRegions found = reader.Read(whole, progress.Slice(0, 0.4));
         TagSame(whole.tag, 1);
@@ -63,8 +63,8 @@ class DeformerMaker {
     }
 
   private:
-    /// The regions of a deformer of the same mesh that are regions of \p whole, too: none of their vertices has got
-    /// another tag, and no point handle came or went.
+    /// The regions of `kept` that are unchanged in \p whole: all of their vertices have the same tags, and are the same
+    /// point handles.
     std::vector<std::shared_ptr<const RegionDeformer>> SameAs(const RegionSource &whole) const {
         std::vector<std::shared_ptr<const RegionDeformer>> found;
         if (!kept || kept->slotTag.size() != whole.tag.size() || whole.isOne || kept->report.together > 0 ||
@@ -88,14 +88,14 @@ class DeformerMaker {
         return found;
     }
 
-    /// Gives the free vertices of what is kept another tag.
+    /// Sets the tag of the free vertices of the regions that are reused.
     void TagSame(std::vector<int> &tag, int its) const {
         for (const auto &region : same)
             for (const MovingRegion::Bent &vertex : region->bent)
                 tag[vertex.slot] = its;
     }
 
-    /// Whether a region of a cloud that is read anew reaches points that bend in a region that is kept.
+    /// Whether, in a cloud, a region that was read reaches free points of a reused region.
     bool IsBesideSame(const std::vector<ReadRegion> &read) const {
         if (!mesh.isCloud || same.empty())
             return false;
@@ -110,9 +110,10 @@ class DeformerMaker {
         });
     }
 
-    /// Prepares what was read. \return whether what is kept has as many patches as it would have now
+    /// Prepares the regions that were read. \return false: reused regions would have other numbers of patches now
     bool Prepare(std::vector<ReadRegion> &read, const Progress &progress) {
-        std::vector<std::pair<std::uint32_t, double>> areas; // by the first slot, as sums depend on the order
+        std::vector<std::pair<std::uint32_t, double>>
+            areas; // sorted by first slot: the bits of sums depend on the order
         areas.reserve(read.size() + same.size());
         double largest = 0;
         for (const ReadRegion &each : read)
@@ -132,7 +133,7 @@ class DeformerMaker {
             const double share = areas.size() == 1 ? 1
                                  : all > 0         ? AreaOf(surface, unit) / all
                                                    : 1 / double(areas.size());
-            const int given = param.graph.initialPatches; // of the whole, by area
+            const int given = param.graph.initialPatches; // of all regions together, by area
             return given > 0 ? std::max(1, int(std::lround(share * given))) : 0;
         };
         const int most = MostOf(read);
@@ -164,8 +165,8 @@ class DeformerMaker {
         return true;
     }
 
-    /// The largest automatic number of patches of a region. It is smaller where all regions together could have so many
-    /// that a pose takes more than about a second.
+    /// The largest automatic number of patches of a region: smaller if all regions together could have so many that a
+    /// pose takes more than about a second.
     int MostOf(const std::vector<ReadRegion> &read) const {
         const std::int64_t mostOfAll = 30000;
         std::vector<Index> nodes; // no region has more patches
@@ -189,8 +190,7 @@ class DeformerMaker {
     static double AreaOf(const SurfaceGraph &surface, double unit) {
         return surface.area * (surface.frame.scale / unit) * (surface.frame.scale / unit);
     }
-    /// Sets what is known of each vertex, and of all regions.
-    /// \param gaps between regions, too
+    /// Sets node and region of each vertex, and the report of all regions. \param gaps of the whole surface
     void Join(Index gaps) {
         Deformer &all = *made;
         const std::size_t count = all.regions.size();
@@ -207,7 +207,7 @@ class DeformerMaker {
                         all.regionOf[vertex.slot] = std::uint32_t(r);
                 }
             };
-            for (std::size_t r = count; r-- > 0;) // of what holds several, the first is kept
+            for (std::size_t r = count; r-- > 0;) // a held vertex of several regions gets the first
                 set(r, all.regions[r]->beside);
             for (std::size_t r = 0; r < count; ++r)
                 set(r, all.regions[r]->bent);
@@ -221,9 +221,9 @@ class DeformerMaker {
                   &SurfaceReport::seams, &SurfaceReport::gaps, &SurfaceReport::oneSided, &SurfaceReport::unenclosed})
                 sum.*number += each.*number;
         }
-        sum.gaps = std::max(sum.gaps, gaps); // between regions, too
+        sum.gaps = std::max(sum.gaps, gaps); // these include gaps between regions
         sum.pointCloud = mesh.isCloud;
-        sum.components = same.empty() ? all.loose.components : CountComponents(); // not all was read
+        sum.components = same.empty() ? all.loose.components : CountComponents(); // if not all was read
         sum.isolated += all.loose.isolated;
     }
 
@@ -242,7 +242,7 @@ class DeformerMaker {
         double largest = all.regions.empty() ? std::numeric_limits<double>::infinity() : 0;
         for (std::size_t r = 0; r < all.regions.size(); ++r)
             largest = std::max(largest, all.Region(r).Reach() * all.regions[r]->surface.frame.scale);
-        const auto large = [&](std::size_t leader) { // as far as patches reach
+        const auto large = [&](std::size_t leader) { // the diameter of a patch
             const MovingSurface::Place place =
                 leader == LooseFollowing::none ? MovingSurface::Place{nullptr, 0, -1} : all.At(leader);
             return 2 * (place.region ? all.Region(place.number).Reach() * place.region->surface.frame.scale : largest);
@@ -254,10 +254,10 @@ class DeformerMaker {
             all.leaderRest.push_back(i == LooseFollowing::none ? Eigen::Vector3d::Zero() : Eigen::Vector3d(mesh.At(i)));
     }
 
-    /// Lists the vertices that move and are not bent.
+    /// Lists the vertices that move, but do not bend: of handles, loose parts and isolated point handles.
     void FindCarried(const Progress &progress) {
         Deformer &all = *made;
-        std::vector<char> isPoint; // one per slot, where there is any
+        std::vector<char> isPoint; // one per slot, if there are point handles
         for (std::size_t i : all.point) {
             isPoint.resize(all.slotTag.size(), 0);
             isPoint[i] = 1;
@@ -282,7 +282,7 @@ class DeformerMaker {
     const DeformerParam &param;
     const Eigen::Matrix3d metric;
     const Deformer *kept;
-    std::vector<std::shared_ptr<const RegionDeformer>> same; // of that one
+    std::vector<std::shared_ptr<const RegionDeformer>> same; // its regions that are reused
     std::unique_ptr<Deformer> made;
 };
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 #
-# find_package(fcd) gives fcd::vcg_ext. VCG itself is not installed along: what includes centroidal_deformation.h, which reads
-# VCG meshes, needs it; FCD_VCGLIB names it where it is not in the include path. deformer.h, for plain arrays, does without.
+# find_package(fcd) gives fcd::vcg_ext. VCG is not installed with it. Only centroidal_deformation.h, which reads VCG meshes, needs it:
+# FCD_VCGLIB names its folder if that is not in the include path. deformer.h, for plain arrays, does without.
 include(CMakeFindDependencyMacro)
 find_dependency(Threads)
 find_dependency(Eigen3)

@@ -7,8 +7,8 @@ namespace vcg::fcd {
 
 namespace {
 
-/// Whether no connected part of what is free has as much as a third of its area: not of its vertices, so that crumbs
-/// count as what they are. \throw BadInput where all its triangles are lines, of which nothing tells how they bend
+/// Whether no connected part of the free surface has a third of its area. (Area, not vertices: crumbs count little.)
+/// \throw BadInput where all its triangles are lines, of which nothing tells how they bend
 bool IsInParts(const SurfaceView &source, const Deformer &deformer, const Progress &progress) {
     std::vector<Index> componentOf;
     const Index parts = ConnectedComponents(deformer.Whole().surface.graph.adjacency, componentOf,
@@ -29,8 +29,8 @@ bool IsInParts(const SurfaceView &source, const Deformer &deformer, const Progre
         (each * each > 1e-12 * a.squaredNorm() * b.squaredNorm() ? isSurface : isLines) =
             true; // or it is rounding, in single precision
         all += each;
-        if (const Index node = deformer.nodeOf[source.corner[3 * f]]; node >= 0) // else a loose part
-            area[std::size_t(componentOf[std::size_t(node)])] += each;
+        if (const Index node = deformer.nodeOf[source.corner[3 * f]]; node >= 0) // -1: a loose part
+            area[std::size_t(componentOf[node])] += each;
     }
     if (isLines && !isSurface)
         throw BadInput("The surface has no triangle with an area where it is free to bend. Take its vertices alone, as "
@@ -49,7 +49,8 @@ Fitter::Fitter(const SurfaceView &source, const NormalOf &normal, const Handles 
     if (std::count(handles.tag.begin(), handles.tag.end(), 1) == 0)
         throw BadInput("There is nothing to fit: no vertex is free. Mark the part that may bend with tag 1.");
     deformer = PrepareDeformer(source, handles, param, progress.Slice(0, 0.65));
-    if (!source.isCloud && IsInParts(source, *deformer, progress.Slice(0.65, 0.7))) { // what joins them is lying near
+    if (!source.isCloud &&
+        IsInParts(source, *deformer, progress.Slice(0.65, 0.7))) { // join parts that lie near, as points
         SurfaceView points = source;
         points.faces = points.edges = 0;
         points.isCloud = true;

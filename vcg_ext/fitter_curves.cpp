@@ -43,23 +43,23 @@ std::vector<AlongLine> Fitter::Along(const std::vector<std::vector<Eigen::Vector
     const Eigen::Affine3d toFrame = ToFrame(Eigen::Affine3d::Identity());
     const double most = std::max(farFromAll, LongestEdge(surface.graph));
     std::vector<AlongLine> all;
-    std::size_t looked = 0; // a place is looked up in some microseconds
+    std::size_t looked = 0; // points looked up; each takes some microseconds
     for (const std::vector<Eigen::Vector3d> &line : lines) {
         const auto told = [&] { progress(double(all.size()) / double(lines.size()), "Following the curves"); };
         told();
         AlongLine &along = all.emplace_back();
-        std::map<std::size_t, std::pair<double, Eigen::Vector3d>> nearestTo; // of vertices, with its distance
+        std::map<std::size_t, std::pair<double, Eigen::Vector3d>> nearestTo; // of each vertex: distance, and the point
         const auto add = [&](const Eigen::Vector3d &place, std::size_t corner) {
             if (++looked % 4096 == 0)
                 told();
             double far = 0;
             const std::size_t nearest = slot[std::size_t(tree.Nearest(toFrame * place, &far))];
-            if (!(far <= along.farthest)) { // or it is too far for a number
+            if (!(far <= along.farthest)) { // also if far is not finite
                 along.farthest = far;
                 along.corner = corner;
             }
             const Index node = deformer->nodeOf[nearest];
-            if (node < 0 || region.held.tag[std::size_t(node)] != 1)
+            if (node < 0 || region.held.tag[node] != 1)
                 return;
             const auto [found, isNew] = nearestTo.try_emplace(nearest, far, place);
             if (!isNew && far < found->second.first)
@@ -72,7 +72,7 @@ std::vector<AlongLine> Fitter::Along(const std::vector<std::vector<Eigen::Vector
                 length += (toFrame.linear() * (line[k] - line[k - 1])).norm();
         }
         along.isElsewhere = !(along.farthest <= most);
-        // No more places than there are vertices, however often it goes to and fro.
+        // At most as many points as there are vertices, however often the line goes to and fro.
         const double spacing =
             std::max({surface.averageEdge, length / double(slot.size()), std::numeric_limits<double>::min()});
         for (std::size_t k = 0; k + 1 < line.size() && !along.isElsewhere; ++k) {
@@ -105,7 +105,7 @@ CurveLead Fitter::LeadAlong(const std::vector<CurvePair> &pairs, const std::stri
         const AlongLine &along = all[c];
         const CurvePair &pair = pairs[c];
         std::string where = "the curve " + detail::Excerpt(pair.name, 0, pair.name.size());
-        if (along.corner < pair.sourceLine.size()) // or some of the corners are from elsewhere
+        if (along.corner < pair.sourceLine.size()) // only if the corners came from a file
             where = "'" + pair.file + "', line " + std::to_string(pair.sourceLine[along.corner]) + ": " + where;
         if (along.isElsewhere) {
             std::ostringstream far;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a fit begins with and ends with: its target, how that lies, and the landmarks.
+// Begin and end of a fit: the target and its position, and the landmarks.
 #include <vcg_ext/fit.h>
 #include <vcg_ext/fit/fit_contradictions.h>
 #include <vcg_ext/fit/fit_landmarks.h>
@@ -20,20 +20,23 @@ namespace vcg::fcd {
 
 namespace {
 
-// Across a line or a plane, of how far along: what rounding leaves; and what a shape has that is no sheet of paper.
+// Extent across a line or a plane, over that along it: below noShape it is rounding; above someShape, a shape is not as
+// flat as a sheet of paper.
 constexpr double noShape = 1e-6, someShape = 1e-3;
-// Of the diagonal between the boxes: so far apart, hardly anything has its counterpart nearest.
+// Distance between the boxes, over the diagonal, from which hardly any point has its counterpart nearest.
 constexpr double afar = 0.5;
-// A target so many times as large, and farther than astray of the diagonal from most of the surface, is in other units:
-// the closest that people mix, centimetres and inches, are 2.54 apart. Of a smaller one, a part may have been scanned.
+// A target that is otherUnits times as large, and farther than astray (of the diagonal) from most of the surface, has
+// other units: the closest that people mix, centimetres and inches, are 2.54 apart. A smaller target may be a part that
+// was scanned; below smallPart it is not.
 constexpr double otherUnits = 2.2, smallPart = 0.2, astray = 0.1;
-// So many times as much as the landmarks are off, nodes may give way: one that few nodes lead takes twice to three
-// times; two that are close and go apart, more. Or so much of the diagonal, in which no ripple is seen.
+// To meet the landmarks, nodes may move by mostGivingWay times as much as the landmarks are off: a landmark that few
+// nodes lead takes two or three times, two close ones that move apart take more. Or by `unseen` of the diagonal, which
+// makes no visible ripple.
 constexpr double mostGivingWay = 10, unseen = 0.01;
 
 } // namespace
 
-/// From the world. The frame has the source's matrix without its translation.
+/// From the mesh units of a layer with the matrix \p world to the frame of the source.
 Eigen::Affine3d Fitter::ToFrame(const Eigen::Affine3d &world) const {
     const Frame &frame = deformer->Whole().surface.frame;
     return Eigen::Translation3d(-frame.origin / frame.scale) * Eigen::Scaling(1 / frame.scale) *
@@ -54,7 +57,7 @@ std::shared_ptr<const FitTarget> Fitter::Prepare(const FitGoal &goal, const Prog
         double nearest = std::numeric_limits<double>::infinity();
         for (Eigen::Vector3d &corner : curve.target) {
             corner = toFrame * corner;
-            if (nearest > far && corner.allFinite()) // one that is near is enough
+            if (nearest > far && corner.allFinite()) // one near corner is enough
                 nearest = std::min(nearest, (target->Nearest(corner).point - corner).norm());
         }
         if (std::isfinite(nearest) && nearest > far) {
@@ -70,7 +73,7 @@ std::shared_ptr<const FitTarget> Fitter::Prepare(const FitGoal &goal, const Prog
     return target;
 }
 
-/// Adds a sample for each landmark. \return where it belongs, frame units
+/// Adds a sample for each landmark. \return their targets, frame units
 std::vector<Eigen::Vector3d> Fitter::Lead(const std::vector<Landmark> &landmark, const RegionPose &pose,
                                           FitSamples &samples) const {
     std::set<Index> taken;
@@ -82,7 +85,7 @@ std::vector<Eigen::Vector3d> Fitter::Lead(const std::vector<Landmark> &landmark,
                            " is at no vertex, or its target is not finite.");
         const Index node = deformer->nodeOf[each.vertex];
         place.push_back(region.surface.frame.ToFrame(handles.world.inverse() * each.target));
-        if (node < 0 || region.held.tag[std::size_t(node)] != 1)
+        if (node < 0 || region.held.tag[node] != 1)
             throw BadInput("Landmark " + std::to_string(place.size()) + " is at a vertex that is not free.");
         if (!taken.insert(node).second)
             throw BadInput("Landmark " + std::to_string(place.size()) +
@@ -92,7 +95,7 @@ std::vector<Eigen::Vector3d> Fitter::Lead(const std::vector<Landmark> &landmark,
     return place;
 }
 
-/// No place of the surface is near enough to it to be matched.
+/// A target of the landmarks' targets, for fits that match nothing.
 FitTarget Fitter::NoTarget(const std::vector<Landmark> &landmark) const {
     std::vector<double> place;
     for (const Landmark &each : landmark)
@@ -162,12 +165,13 @@ void Fitter::Judge(const FitTarget &target, const FitPlacement &placement, bool 
         param.start == FitStart::AsItLies && placement.apart > afar && !isLed && report.apart < param.largestDistance;
     report.fromAfar = isApart && IsAllFree();
     report.isApart = isApart && !report.fromAfar;
-    // Where it is 0, rounding has taken it: the target is so far away.
+    // larger is 0 if the target is so far away that rounding hides its size.
     report.otherSize = report.larger > 0 && (report.larger > otherUnits || report.larger < smallPart) &&
                        (placement.median > astray || isApart) && param.start != FitStart::Similar;
 }
 
-/// Nothing is told or asked for that says where it is, and its strain tells it.
+/// Whether other starts may be tried: neither the parameters nor landmarks say how the surface lies, and its strain can
+/// tell.
 bool Fitter::MayBegin(const FitReport &report, bool isLed) const {
     return param.start == FitStart::AsItLies && !isLed && IsAllFree() && !report.otherSize && !report.mirrored &&
            !report.flat && std::isinf(param.largestDistance) && param.fitRigidity == 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How a fit is asked for.
+// The parameters of a fit.
 #include <vcg_ext/fit.h>
 
 #include <algorithm>
@@ -9,9 +9,8 @@
 namespace vcg::fcd {
 
 FitParam::FitParam() {
-    // Smooth where a joint turns: 2 folds there (the arm of tests/fit_recipes.py), and 4 takes twice as long.
-    influence = 3;
-    graph.initialPatches = 150; // the data say where it bends; twice as many fit no better and take four times as long
+    influence = 3; // smooth at joints: 2 folds there (the arm of tests/fit_recipes.py), and 4 takes twice as long
+    graph.initialPatches = 150; // twice as many fit no better, and take four times as long
     bendsUnheld = true;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a fit is worth: how far it is from the target, and what of it has a counterpart there.
+// The quality of a fit: distances from the target, and the share that has a counterpart.
 #include <vcg_ext/base/elementary.h>
 #include <vcg_ext/fit.h>
 #include <vcg_ext/fit/fit_guess.h>
@@ -13,7 +13,7 @@
 
 namespace vcg::fcd {
 
-/// Whether a sample has a counterpart.
+/// Whether sample \p s lies on the target.
 bool Fitter::IsOn(const FitMatches &matches, std::size_t s, const FitReport &report) const {
     return matches.Counts(s) &&
            report.LiesOn(matches.Distance(s) * deformer->Whole().surface.frame.scale, matches.OnBorder(s));
@@ -41,7 +41,7 @@ void Fitter::MeasureGuess(const FitMatches &matches, const FitSamples &drawn, co
     report.guessError = guess.rms * scale;
 }
 
-/// How many samples lie on the target, as another fit to it told.
+/// The number of samples that lie on the target, by the report of another fit to it.
 std::size_t Fitter::CountOn(const FitMatches &matches, const FitReport &report) const {
     std::size_t on = 0;
     for (std::size_t s = 0; s < matches.Size(); ++s)
@@ -49,7 +49,7 @@ std::size_t Fitter::CountOn(const FitMatches &matches, const FitReport &report) 
     return on;
 }
 
-/// Of the free surface.
+/// The share of the free surface with a weight above 0.
 double Fitter::CountedShare() const {
     const RegionDeformer &region = deformer->Whole();
     double all = 0, counts = 0;
@@ -66,8 +66,8 @@ void Fitter::Measure(const FitMatches &matches, FitReport &report) const {
     std::vector<double> distance, near;
     for (std::size_t s = 0; s < matches.Size(); ++s)
         distance.push_back(matches.Distance(s));
-    // The nearest fifth lies on the target wherever that is a fifth of the source, and tells its noise: 12 times the
-    // 20th percentile of the distances of a plane's noise is three times its standard deviation.
+    // The nearest fifth lies on the target if that covers a fifth of the source, and tells its noise: for the noise of
+    // a plane, 12 times the 20th percentile of the distances is three times the standard deviation.
     const double noise = std::max(12 * Quantile(distance, 0.2), 1e-3);
     double squares = 0;
     for (std::size_t s = 0; s < matches.Size(); ++s)
@@ -141,7 +141,7 @@ std::vector<std::string> FitReport::TargetRemarks() const {
                           (isSureFromAfar ? "."
                                           : ", but which way round is not sure. Look at it; if it is turned, give "
                                             "landmarks and start from these."));
-    const bool isTurned = turnedBy > 1e-6, isScaled = std::abs(scaledBy - 1) > 1e-6; // more than what rounding leaves
+    const bool isTurned = turnedBy > 1e-6, isScaled = std::abs(scaledBy - 1) > 1e-6; // more than rounding
     if (isTurned || isScaled)
         remarks.push_back("The surface was first laid onto the target's middle" +
                           (isTurned ? ", turned by " + Rounded(turnedBy * 180 / detail::pi) + " degrees" : "") +
@@ -167,8 +167,8 @@ std::vector<std::string> FitReport::TargetRemarks() const {
 
 bool Fitter::CountsAt(std::size_t slot, const FitReport &report) const {
     const Index u = deformer->nodeOf[slot];
-    const auto patch = [&] { return deformer->Whole().patches.patchOf[std::size_t(u)]; };
-    return u < 0 || ((nodeWeight.empty() || nodeWeight[std::size_t(u)] > 0) &&
+    const auto patch = [&] { return deformer->Whole().patches.patchOf[u]; };
+    return u < 0 || ((nodeWeight.empty() || nodeWeight[u] > 0) &&
                      (report.carriedNode.empty() || patch() < 0 || !report.carriedNode[std::size_t(patch())]));
 }
 
@@ -179,7 +179,7 @@ void Fitter::Compare(const FitTarget &target, const FitReport &report, const Pos
     liesOn.assign(source.vertexSlots, 0);
     ParallelFor(progress, "Measuring the distance", source.vertexSlots, 1 << 12,
                 [&](std::size_t first, std::size_t last) {
-                    NearestPlace::Hint hint; // the next vertex mostly is beside the last one
+                    NearestPlace::Hint hint; // the next vertex is mostly near the last one
                     for (std::size_t i = first; i < last; ++i) {
                         if (source.IsDeleted(i))
                             continue;

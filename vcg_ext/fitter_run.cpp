@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A fit, from where it begins to where it comes to rest.
+// The steps of a fit, from its start to rest.
 #include <vcg_ext/base/elementary.h>
 #include <vcg_ext/fit/fit_ends.h>
 #include <vcg_ext/fit/fit_landmarks.h>
@@ -15,27 +15,27 @@ namespace vcg::fcd {
 
 namespace {
 
-// The last steps, of all: it has arrived, and is as soft as it gets.
+// The share of the steps at the end in which the fit is as soft as it gets.
 constexpr double lastSteps = 0.2;
-// It gets softer by a step's share, and up to so many times that, the less it moves: what moves by more than that, of
-// the diagonal, is still on its way, and so to be found by what is stiff.
+// A step softens the fit by its share, or up to `hurry` times that if the surface moves little. A surface that moves by
+// more than onItsWay (of the diagonal) is still on its way, for which it needs the stiffness.
 constexpr double hurry = 2, onItsWay = 1e-3;
-// Of the target: fits that have arrived leave a thousandth unreached at most (24 of people and beasts turned at their
-// joints). Where it is more, a limb may not have been found, or the source lacks it. Matched both ways, a limb that is
-// found brings more of the source onto the target, and leaves nothing; surface that is drawn over what the source lacks
-// comes off elsewhere.
+// The largest share of the target that a good fit leaves unreached: 24 fits of people and beasts, turned at their
+// joints, left a thousandth. If it is more, a limb may not have been found, or the source lacks it. Matching both ways
+// then tells: with a limb that is found, more of the source lies on the target, and nothing is left; surface that is
+// drawn over what the source lacks comes off elsewhere.
 constexpr double mostUnreached = 0.002;
-// Of surface and target: what a landmark must lead onto each other if it shall be right against the others although it
-// tears the surface, and what it must keep off each other if it shall be wrong although it only strains it. A patch of
-// 150 has two thirds of that, and a limb is one at least.
+// The share of surface and target that decides about a doubted landmark. One that tears the surface is right if it
+// brings so much more of them onto each other; one that only strains it is wrong if leaving it out does. A limb has at
+// least a patch, and a patch of 150 has two thirds of this.
 constexpr double aLimb = 0.01;
-// Strain of edges (rms) above which other starts are tried, and the share of it that one must leave. Shapes made by
-// formula had 0.36 and more where they lay turned, and 0.19 (a hand with touching fingers) where they lay right.
+// Strain of edges (rms) above which other starts are tried, and the share of it that another start may have. Shapes
+// made by formula had 0.36 and more if they lay turned, and 0.19 (a hand with touching fingers) if they lay right.
 constexpr double pressed = 0.25, farLess = 0.5;
 
-// Ends of limbs are looked for among so many places of each surface, which are about a hundredth of the diagonal apart:
-// an end is told to two of these, and what is off by five lies elsewhere. They lead for half of the way: by then it is
-// near, and what lies beside them tells better.
+// Ends of limbs are looked for among so many points of each surface, about a hundredth of the diagonal apart. An end is
+// known to two of these distances; five is elsewhere. Ends lead for half of the fit: then the surface is near, and the
+// points beside them tell more.
 constexpr std::size_t endPlaces = 6000;
 constexpr double endSpacing = 0.02, endElsewhere = 0.05, endsLead = 0.5;
 
@@ -66,7 +66,7 @@ Fitter::Run::Run(const Fitter &fitter, const FitTarget &target, const std::vecto
 std::vector<char> Fitter::Run::FreeNodes() const {
     std::vector<char> free(std::size_t(region.graph.Size()));
     for (Index j = 0; j < region.graph.Size(); ++j)
-        free[std::size_t(j)] = region.held.tag[std::size_t(region.patches.center[std::size_t(j)])] == 1;
+        free[j] = region.held.tag[std::size_t(region.patches.center[j])] == 1;
     return free;
 }
 
@@ -81,7 +81,7 @@ void Fitter::Run::MatchAnew(bool bothWays) {
     matches = std::make_unique<FitMatches>(target, samples, how);
 }
 
-/// \param part how much of the fit has passed, [0, 1] \return root mean square of the nodes' moves
+/// One step. \param part share of the fit that has passed, [0, 1] \return rms move of the nodes, frame units
 double Fitter::Run::Step(double part, const std::vector<double> &stiffness) {
     Find(part);
     for (std::size_t l = 0; l < place.size(); ++l)
@@ -100,11 +100,11 @@ double Fitter::Run::Step(double part, const std::vector<double> &stiffness) {
     return std::sqrt(change.bottomRows<3>().squaredNorm() / double(std::max<std::size_t>(isFree.size(), 1)));
 }
 
-/// From stiff to soft.
+/// Makes the steps from stiff to soft.
 void Fitter::Run::Soften(const Progress &progress) {
     const double pace = 1 / ((1 - lastSteps) * (param.fitSteps - 1));
     report.converged = false;
-    double part = 0, last = 0; // how far from stiff to soft; the move before
+    double part = 0, last = 0; // share of the way from stiff to soft; the last move
     for (int step = 0; step < param.fitSteps && !report.converged; ++step) {
         progress(double(step) / param.fitSteps, "Fitting");
         const double moved = Step(part, AllOf(stiffest * detail::Power(SoftEnd() / stiffest, part)));
@@ -118,7 +118,7 @@ void Fitter::Run::Soften(const Progress &progress) {
     fitter.Measure(*matches, report);
 }
 
-/// From stiff to soft, from the start.
+/// Fits from the start, from stiff to soft.
 void Fitter::Run::Draw(const Progress &progress) {
     graph = start;
     report.bothWays = param.bothWays;
@@ -126,7 +126,7 @@ void Fitter::Run::Draw(const Progress &progress) {
     Soften(progress);
 }
 
-/// The ends of limbs that the target has, too. \return whether one lies elsewhere now
+/// Finds the ends of limbs that source and target have in common. \return whether one of them is off now
 bool Fitter::Run::FindEnds() {
     const std::size_t stride = 1 + (matched - 1) / endPlaces;
     std::vector<Eigen::Vector3d> own, ownNormal, its, itsNormal;
@@ -147,7 +147,7 @@ bool Fitter::Run::FindEnds() {
     return isElsewhere;
 }
 
-/// Takes the fit that ends of limbs lead at first, if more of the surface lies on the target so, less strained.
+/// Tries a fit that ends of limbs lead at first; keeps it if more of the surface lies on the target, with less strain.
 void Fitter::Run::TryEnds(const Progress &progress) {
     if (fitter.MayBegin(report, isLed) && FindEnds()) {
         const double strained = StrainOf(region, graph), on = OnIt();
@@ -161,7 +161,7 @@ void Fitter::Run::TryEnds(const Progress &progress) {
     ends.clear();
 }
 
-/// Takes what matching both ways gives, if it reaches more.
+/// Tries matching both ways; keeps it if it reaches nearly all of the target, and more of the surface lies on it.
 void Fitter::Run::TryBothWays(const Progress &progress) {
     Kept oneWay = SetAside();
     MatchAnew(true);
@@ -172,7 +172,7 @@ void Fitter::Run::TryBothWays(const Progress &progress) {
         TakeBack(std::move(oneWay));
 }
 
-/// All of a fit, from the start.
+/// The whole fit from one start.
 void Fitter::Run::Lay(const Progress &progress) {
     ends.clear();
     Draw(progress.Slice(0, 0.4));
@@ -184,13 +184,13 @@ void Fitter::Run::Lay(const Progress &progress) {
     StiffenGaps(Settle(progress), progress);
 }
 
-/// Takes another start if the surface is far less strained from there, and lies on the target by as much.
+/// Tries other starts; keeps one if the surface is far less strained, and as much of it lies on the target.
 void Fitter::Run::TryOtherStarts(const Progress &progress) {
     const double strained = StrainOf(region, graph), on = OnIt() - aLimb;
     if (!(strained > pressed) || !fitter.MayBegin(report, isLed))
         return;
     Kept asItLay = SetAside();
-    ends.clear(); // of where it lay
+    ends.clear(); // they belong to the old start
     double least = farLess * strained;
     Eigen::Affine3d began = Eigen::Affine3d::Identity();
     const std::vector<Eigen::Affine3d> motions =
@@ -217,8 +217,8 @@ void Fitter::Run::TryOtherStarts(const Progress &progress) {
     }
 }
 
-/// A landmark that the target bears out leads more of the surface onto it. With a tolerance, those that it does not
-/// bear out are left out; else they are named.
+/// Tries the fit without the doubted landmarks, and decides about each: a right one brings more of the surface onto the
+/// target. With a tolerance, wrong ones are left out; without, they are only named.
 void Fitter::Run::TryWithout(const std::vector<Contradiction> &doubted, const Progress &progress) {
     const double withAll = OnIt();
     Kept kept = SetAside();
@@ -240,10 +240,10 @@ void Fitter::Run::TryWithout(const std::vector<Contradiction> &doubted, const Pr
     }
 }
 
-/// Puts landmarks where they belong, carries what nothing leads, and measures.
+/// Meets the landmarks, carries the parts that nothing leads, and measures.
 void Fitter::Run::Finish(const Progress &progress) {
     report.insideOut = matches->IsInsideOut();
-    if (report.insideOut && !report.converged && place.empty()) // as of what was mirrored by negating a coordinate
+    if (report.insideOut && !report.converged && place.empty()) // as if mirrored by negating a coordinate
         report.mirrored = true;
     if (!isAlone) {
         parts.Judge(
@@ -280,7 +280,7 @@ Deformer::Pose Fitter::Run::Solve(const Progress &progress) {
     return std::move(all);
 }
 
-/// The pose at rest, with what the graph's solution starts from.
+/// The pose at rest of all but handles, to start the fit from.
 Deformer::Pose Fitter::AtRest(const Progress &progress) const {
     Deformer::Pose all = deformer->Solve(handles, param, progress);
     RegionPose &pose = all.region[0];
@@ -290,7 +290,7 @@ Deformer::Pose Fitter::AtRest(const Progress &progress) const {
     return all;
 }
 
-/// Samples of the surface that are matched.
+/// The samples of the surface that are matched.
 FitSamples Fitter::Matched(const RegionPose &pose) const {
     FitSamples samples;
     samples.isAffine = param.fitRigidity < 1;

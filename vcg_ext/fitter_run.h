@@ -15,10 +15,10 @@
 
 namespace vcg::fcd {
 
-/// A fit of one surface to one target, on its way.
+/// One fit of a surface to a target, while it runs.
 class Fitter::Run {
   public:
-    /// \param report out: what Solve tells of it; must outlive this
+    /// \param report out: the report of Solve; must outlive this
     /// \param progress of the first twentieth of the work
     Run(const Fitter &fitter, const FitTarget &target, const std::vector<Landmark> &landmark, FitReport &report,
         const Progress &progress);
@@ -27,12 +27,12 @@ class Fitter::Run {
     Deformer::Pose Solve(const Progress &progress);
 
   private:
-    // Of Eq. 2 over A against the mean square of the distances, chosen on the training half of tests/fit_recipes.py
-    // (armadillo, bunny, head; posed by CGAL) and on the half tube of tests/host_fit.py: stiff enough that limbs follow
-    // their roots and nothing slides along the surface, soft enough that it reaches the target.
+    // Weight of Eq. 2 over A, against the mean square of the distances. Chosen on the training half of
+    // tests/fit_recipes.py (armadillo, bunny, head; posed by CGAL) and on the half tube of tests/host_fit.py: stiff
+    // enough that limbs follow their roots and nothing slides along the surface, soft enough to reach the target.
     static constexpr double stiffest = 1e-2, softest = 1e-6;
-    // It is at rest when this is left to move, of the diagonal, root mean square: a tenth of what fits of clean scans
-    // are off by; or when a step moves it by no more: a smooth shape may slide along itself for hundreds of steps.
+    // At rest if no more than this is left to move (of the diagonal, rms): a tenth of the error of fits to clean scans.
+    // Or if a step is no longer than this: a smooth shape may slide along itself for hundreds of steps.
     static constexpr double rest = 1e-4;
 
     /// A fit that is set aside while another one is tried.
@@ -42,7 +42,7 @@ class Fitter::Run {
         std::unique_ptr<FitMatches> matches;
     };
 
-    /// A sample at the end of a limb, and where it belongs.
+    /// A sample at the end of a limb, and its counterpart, frame units.
     struct End {
         std::size_t sample;
         Eigen::Vector3d place;
@@ -79,26 +79,26 @@ class Fitter::Run {
     const unsigned threads;
     const double scale;     // of the frame
     const double tolerance; // of landmarks, frame units
-    const bool isAlone;     // landmarks lead alone: nothing is matched
+    const bool isAlone;     // landmarks only: nothing is matched
     Deformer::Pose all;
     RegionPose &pose;
     GraphPose &graph;
-    const FitSamples samples; // that are matched
-    const std::size_t matched;
-    FitSamples drawn;                         // these, then the landmarks, then what lies on curves
-    const std::vector<Eigen::Vector3d> place; // where landmarks belong
+    const FitSamples samples;                 // the samples that are matched
+    const std::size_t matched;                // their number
+    FitSamples drawn;                         // the same, then the landmarks, then the vertices on curves
+    const std::vector<Eigen::Vector3d> place; // targets of the landmarks, frame units
     const FitCurves curves;
-    const bool isLed; // by a landmark or a curve
+    const bool isLed; // there is a landmark or a curve
     FitParts parts;
-    const std::vector<char> isAnyFree, isFree; // flags of the graph's nodes; and those that something leads
+    const std::vector<char> isAnyFree, isFree; // flags of the graph's nodes: free ones; free and not carried
     FitSystem system;
     MatchParam how;
     std::unique_ptr<FitMatches> matches;
-    std::vector<char> leads; // the landmarks and places of curves that it follows
-    std::vector<End> ends;   // that lead at first
+    std::vector<char> leads; // flags of landmarks and vertices on curves that are followed
+    std::vector<End> ends;   // ends of limbs that lead at first
     std::vector<FitSystem::Pull> pull;
-    const GraphPose asItLies; // from where it may be moved as a whole
-    GraphPose start;          // so
+    const GraphPose asItLies; // the pose at rest
+    GraphPose start;          // the same, moved as a whole
 };
 
 } // namespace vcg::fcd

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How stiff a fit that has arrived may be: by the noise of its target, and where it has none.
+// The stiffness of a fit that has arrived, by the noise of its target, and in gaps, where it has no target.
 #include <vcg_ext/fit/fit_gaps.h>
 #include <vcg_ext/fitter_run.h>
 
@@ -10,24 +10,25 @@ namespace vcg::fcd {
 
 namespace {
 
-// Where it follows the target's noise, it gets stiffer, by so much and as often as this, in so many steps each: as long
-// as this share of what it followed is left, the distances grow by no more than this (Morozov's discrepancy principle),
-// and no more than this comes off the target. Chosen on 32 shapes made by formula, smooth, with relief, open and
-// halved; how often, on 11 pairs of scans of the training half, where it is the same as twice as often. What this moves
-// by more than the noise was none, but shape that it would press: a limb's tip, a slide along the target. There it
-// stays soft; but noise as strong as this, of the diagonal, moves the surface by more than itself, so that this does
-// not tell. (The scans had 0.0007 at most, a shape made by formula with strong noise 0.0016.)
+// A fit that follows the target's noise is made stiffer: by the factor `stiffer`, up to stifferTimes, in stifferSteps
+// each. This goes on until the correlation of the distances is noiseLeft of what it was, the distances grow by more
+// than mostNoise (Morozov's discrepancy principle), or more than comesOff of the samples come off the target. Chosen on
+// 32 shapes made by formula, smooth, with relief, open and halved; stifferTimes on 11 pairs of scans of the training
+// half, where twice as often made no difference. Nodes that this moves by more than the noise followed shape and not
+// noise (a limb's tip, a slide along the target), and stay soft. That does not tell if the noise is above strongNoise
+// (of the diagonal), since it then moves the surface by more than itself. (The scans had 0.0007 at most, a shape made
+// by formula with strong noise 0.0016.)
 constexpr double stiffer = 3, noiseLeft = 0.6, mostNoise = 1.07, comesOff = 0.0005;
 constexpr int stifferTimes = 4, stifferSteps = 6;
 constexpr double strongNoise = 0.001;
-// A gap may be as stiff as leaves what lies around it no farther from the target than this often what it is without
-// (Morozov's discrepancy principle): its own noise, and hardly more.
+// A gap is made as stiff as the surface around it allows: its distance from the target may grow by this factor
+// (Morozov's discrepancy principle).
 constexpr double mostMisfit = 1.2;
 constexpr int gapSteps = 6;
 
 } // namespace
 
-/// How far each node's samples are from where they were, root mean square, frame units. \param before where, of each
+/// How far the samples of each node are from \p before, rms, frame units. \param before position of each sample
 std::vector<double> Fitter::Run::MovedFrom(const std::vector<Eigen::Vector3d> &before) const {
     std::vector<double> squares(isFree.size(), 0), weight = squares;
     for (std::size_t s = 0; s < matched; ++s) {
@@ -43,17 +44,17 @@ std::vector<double> Fitter::Run::MovedFrom(const std::vector<Eigen::Vector3d> &b
     return squares;
 }
 
-/// Adds the nodes that moved by more than \p noise, and those beside them, to those that stay as soft as they are.
-/// \param before where the samples were \param stays in, out: flags of the graph's nodes \return whether any is new
+/// Adds the nodes that moved by more than \p noise, and their neighbours, to those that stay soft.
+/// \param before position of each sample \param stays in, out: flags of the graph's nodes \return whether any is new
 bool Fitter::Run::MoreStay(const std::vector<Eigen::Vector3d> &before, double noise, std::vector<char> &stays) const {
     const std::vector<double> moved = MovedFrom(before);
     bool isAnyNew = false;
     const auto stay = [&](Index node) {
-        isAnyNew = isAnyNew || !stays[std::size_t(node)];
-        stays[std::size_t(node)] = 1;
+        isAnyNew = isAnyNew || !stays[node];
+        stays[node] = 1;
     };
     for (Index j = 0; j < region.graph.Size(); ++j)
-        if (moved[std::size_t(j)] > noise) {
+        if (moved[j] > noise) {
             stay(j);
             for (Index beside : region.graph.graph.adjacency[j])
                 stay(beside);
@@ -61,8 +62,7 @@ bool Fitter::Run::MoreStay(const std::vector<Eigen::Vector3d> &before, double no
     return isAnyNew;
 }
 
-/// What has arrived follows no more of the target's noise than it must. \return the stiffness of each node that this
-/// leaves
+/// Makes a fit that follows the target's noise stiffer. \return the stiffness of each node
 std::vector<double> Fitter::Run::Settle(const Progress &progress) {
     std::vector<double> end = AllOf(SoftEnd());
     const double alike = report.converged && !isAlone ? matches->Alike() : 0;
@@ -83,7 +83,7 @@ std::vector<double> Fitter::Run::Settle(const Progress &progress) {
                 stiffness[j] *= stays[j] ? 1 : stiffer;
             for (int step = 0; step < stifferSteps && Step(1, stiffness) > rest / 3; ++step)
                 ;
-        } while (noise < strongNoise && MoreStay(arrived, noise, stays)); // these go back
+        } while (noise < strongNoise && MoreStay(arrived, noise, stays)); // again, with these soft
         Find(1);
         fitter.Measure(*matches, report);
         if (matches->Alike() > noiseLeft * alike || report.rms > mostNoise * before.rms ||
@@ -97,16 +97,16 @@ std::vector<double> Fitter::Run::Settle(const Progress &progress) {
     return end;
 }
 
-/// As stiff as what lies around them bears. \param end the stiffness of each node elsewhere
+/// Makes gaps as stiff as the surface around them allows. \param end the stiffness of each node elsewhere
 void Fitter::Run::StiffenGaps(const std::vector<double> &end, const Progress &progress) {
-    const double least = end.empty() ? stiffest : *std::min_element(end.begin(), end.end()); // one point has none
+    const double least = end.empty() ? stiffest : *std::min_element(end.begin(), end.end()); // empty: a single point
     const FitGaps gaps(region, *matches, samples);
     const double bearable = std::max(mostMisfit * gaps.Misfit(*matches), FitMatches::least);
     const GraphPose without = graph;
     bool isStiff = !gaps.Any();
     for (double stiff = stiffest; !isStiff; stiff /= 10) {
         graph = without;
-        if (stiff > 2 * least) { // else it stays as it is
+        if (stiff > 2 * least) { // otherwise the gap stays soft
             const std::vector<double> stiffness = gaps.Stiffness(end, stiff);
             for (int step = 0; step < gapSteps && Step(1, stiffness) > rest / 10; ++step)
                 progress(0.95, "Fitting");

@@ -23,7 +23,7 @@ void DeformationParam::Validate() const {
         throw BadInput("The influence must be a finite number above 1: each node has to reach beyond its own patch.");
     if (!(rigidity >= 0 && rigidity <= 1))
         throw BadInput("The rigidity must be from 0 to 1.");
-    if (rigidity > 0.999 && rigidity < 1) // each step is then a thousandth of the way to rest
+    if (rigidity > 0.999 && rigidity < 1) // each step would be a thousandth of the way to rest
         throw BadInput("A rigidity between 0.999 and 1 hardly comes to rest. Take 1, which is solved otherwise, or "
                        "0.999.");
     if (rigidity < 1 && elastic)
@@ -136,12 +136,12 @@ RegionPose RegionDeformer::Solve(HeldMotions motions, const SolverParam &solver,
         if (beyond.linearMaps && !fitted.affine)
             FitLinear(graph, hasMotion, fitted, param.shape.openness);
     };
-    if (volume && !pose.graph.affine) // that stretches as it is to
+    if (volume && !pose.graph.affine) // affine maps stretch on purpose
         pose.volumeOff = volume->Keep(graph, system->parts, *mapping, pose.motion, fit, pose.graph);
     fit(pose.graph);
     for (Index j = 0; j < graph.Size(); ++j) {
         const Index t = held.tag[patches.center[j]];
-        if (HeldNodes::IsSingle(t) && given.compliant[j]) { // run over into the motion that the surface makes there
+        if (HeldNodes::IsSingle(t) && given.compliant[j]) { // the blend runs over into the surface's own motion there
             Eigen::Affine3d &there = pose.motion[t];
             there.linear() = pose.graph.linear[j];
             there.translation() =
@@ -155,7 +155,7 @@ RegionPose RegionDeformer::Solve(HeldMotions motions, const SolverParam &solver,
 RegionPose RegionDeformer::SolveAlong(const Way &way, const SolverParam &solver, int least, const Pose *begin,
                                       const Progress &progress) const {
     HeldMotions end = way(1, 1);
-    const bool isWay = beyond.steps && solver.rigidity > 0; // at 0, the pose does not depend on it
+    const bool isWay = beyond.steps && solver.rigidity > 0; // at 0, the pose does not depend on the path
     const int turns = isWay ? StepsTo(end, begin ? &begin->given : nullptr) : 1, steps = std::max(least, turns);
     std::vector<HeldMotions> motions;
     for (int step = 1; step < steps; ++step)
@@ -168,8 +168,8 @@ RegionPose RegionDeformer::SolveAlong(const Way &way, const SolverParam &solver,
     }
     SolverParam last = solver;
     last.follow = true;
-    // On the way of a large turn, so few iterations for each 60 degrees of it bring what is stiff to rest, while the
-    // ways in which the shape might give way, which begin slowly, do not begin. 4 to 8 end in the same shape.
+    // On the path of a large turn: for each 60 degrees, so few iterations bring stiff parts to rest, but buckling,
+    // which begins slowly, does not begin. 4 to 8 end in the same shape.
     const int few = 6;
     SolverParam passing = last;
     if (turns > 1) {
@@ -201,8 +201,8 @@ std::shared_ptr<const RegionPose> RegionDeformer::Kept(const HeldMotions &motion
 }
 
 int RegionDeformer::StepsTo(const HeldMotions &motions, const HeldMotions *begin) const {
-    // Each turns about its axis at an even rate: what they turn against each other grows by no more than the
-    // difference of these rates.
+    // Each tag turns about its axis at an even rate, so two of them turn against each other by no more than the
+    // difference of their rates.
     std::set<std::array<double, 3>> rates;
     for (const auto &each : holding) {
         const Eigen::Vector3d &turn = motions.turn.at(each.first);
@@ -216,7 +216,7 @@ int RegionDeformer::StepsTo(const HeldMotions &motions, const HeldMotions *begin
                 turn = std::max(
                     turn, (Eigen::Map<const Eigen::Vector3d>(a->data()) - Eigen::Map<const Eigen::Vector3d>(b->data()))
                               .norm());
-    } else { // no less than that
+    } else { // an upper bound
         Eigen::AlignedBox3d box;
         for (const std::array<double, 3> &rate : rates)
             box.extend(Eigen::Map<const Eigen::Vector3d>(rate.data()));

@@ -24,10 +24,10 @@
 
 namespace vcg::fcd {
 
-/// How components without a handle or fixed vertex move.
+/// How loose parts move.
 enum class LooseParts {
-    Follow, ///< that of the nearest part of the surface that is held
-    Stay    ///< none
+    Follow, ///< as the nearest surface
+    Stay    ///< not at all
 };
 
 /// A DiscretisationError above this is reported, with the advice to take more patches.
@@ -43,19 +43,19 @@ struct DeformerParam {
     MappingWeights weights = MappingWeights::Surface;
     double influence = 4; ///< node radius over patch radius, > 1
     LooseParts looseParts = LooseParts::Follow;
-    bool bendsUnheld = false; ///< components as large as a patch bend though nothing holds them, as data may move them
-    double weldDistance = defaultWeldDistance; ///< of vertices on open borders, as BuildSurfaceGraph takes it
+    bool bendsUnheld = false; ///< loose parts as large as a patch bend, for fits and lines, which move them
+    double weldDistance = defaultWeldDistance; ///< frame units, [0, 1e-3], as of BuildSurfaceGraph
     ShapeConstants shape;
 
-    /// All numbers by which the same surface, nodes and constants are prepared alike, or not.
+    /// All parameters except nodes and shape, to compare two of these.
     auto Numbers() const {
         return std::make_tuple(graph.targetRadius, graph.initialPatches, graph.maxIterations, graph.tolerance,
                                graph.randomSeed, graph.measure, graphWeights, falloff, elastic, weights, influence,
                                looseParts, bendsUnheld, weldDistance);
     }
 
-    /// Whether the free surface is one region, connected or not. Data and lines move all of it; and in the paper's
-    /// method, nodes influence vertices across gaps.
+    /// Whether all free surface is one region, connected or not: data and lines move all of it, and with straight
+    /// distances nodes influence vertices across gaps.
     bool IsOneRegion() const {
         return bendsUnheld || weights == MappingWeights::Euclidean || !BeyondPaper(graphWeights).surfaceBalls;
     }
@@ -63,78 +63,77 @@ struct DeformerParam {
 
 /// How a mesh is deformed.
 struct DeformationParam : DeformerParam, SolverParam {
-    double pose = 100;    ///< percent of the handles' motion
-    int steps = 1;        ///< >= 1; the pose is reached over at least so many, each from the one before (StepsTo)
-    bool contact = false; ///< also look for contact in a surface of more faces than contactUnasked
-    bool measure = false; ///< also measure stretch and rotation of the surface
-    bool linear = false;  ///< also give the linear map of the surface around each vertex
+    double pose = 100;    ///< percent of the handles' motions
+    int steps = 1;        ///< 1 to 1000: the pose is reached in at least so many steps (Deformer::StepsTo)
+    bool contact = false; ///< also look for contact if there are more faces than contactUnasked
+    bool measure = false; ///< also measure stretch and rotation (SurfaceMeasure)
+    bool linear = false;  ///< also give the linear map of the surface at each vertex
 
     /// \throw BadInput naming the value that is out of range
     void Validate() const;
 };
 
-/// A region as it is read, and how it is to be prepared.
+/// A region that was read, and that RegionDeformer prepares.
 struct ReadRegion {
     SurfaceGraph surface;
-    std::vector<std::uint32_t> slotOf; ///< of each slot that \p surface has, that of the whole mesh; empty: the same
-    std::vector<std::size_t> point;    ///< point handles in it, by their slots in the whole mesh
-    HeldNodes held;                    ///< of these points
-    std::vector<std::array<Index, 3>> faces; ///< where its volume is to be kept: those with a free node, as nodes
-    std::vector<Index> center;               ///< if not empty: given nodes, as nodes of the surface
+    std::vector<std::uint32_t> slotOf; ///< of each slot of \p surface: its slot in the whole mesh; empty: the same
+    std::vector<std::size_t> point;    ///< slots of the point handles in it, in the whole mesh
+    HeldNodes held;
+    std::vector<std::array<Index, 3>> faces; ///< with DeformerParam::elastic: faces with a free node, as nodes
+    std::vector<Index> center;               ///< given nodes (DeformerParam::nodes), as nodes of the surface
     bool hasGivenNodes = false;
     std::uint32_t first = 0; ///< as of MovingRegion
-    int most = mostPatches;  ///< patches, where their number is not given
+    int most = mostPatches;  ///< largest automatic number of patches
 };
 
-/// A region that is prepared to be deformed: it owns patches, graph, factorisation and mapping. Then each pose is
-/// solved from the motions alone.
+/// A region that is prepared to be deformed: it owns patches, graph, factorisation and mapping. A pose depends on the
+/// motions alone.
 ///
-/// If neither the number of patches nor their radius is given, there are as many as the region needs (PatchesFor). A
-/// rough graph of few patches tells that, by its error when what moves turns by 60 degrees (TurnError). It is decided
-/// once for all poses: each is part of the way to the others.
+/// If neither number nor radius of patches is given, the number is automatic (PatchesFor): a rough graph of few patches
+/// is posed with turns of 60 degrees, and its error (TurnError) decides. All poses have one graph.
 class RegionDeformer : public MovingRegion {
   public:
     using Pose = RegionPose;
 
-    /// \param nodeOf out: the node of each slot that it was read with, as of SurfaceGraph
+    /// \param nodeOf out: the node of each slot of \p read, as of SurfaceGraph
     /// \throw BadInput too many nodes \throw Cancelled
     RegionDeformer(ReadRegion read, const DeformerParam &param, std::vector<Index> &nodeOf, const Progress &progress);
 
-    /// Of the motions of all that is held, those of what holds the region.
+    /// The motions of what holds this region.
     HeldMotions OwnOf(const HeldMotions &all) const;
 
-    /// Any number of threads may solve at a time. \param motions as OwnOf gives them \param last the pose to go on
-    /// from, null to begin at rest \throw Unsolvable a graph that cannot be factorised \throw Cancelled
+    /// The pose for \p motions, in one step. Safe for any number of threads. \param motions as of OwnOf \param last the
+    /// pose to go on from; null: from rest \throw Unsolvable the graph cannot be factorised \throw Cancelled
     Pose Solve(HeldMotions motions, const SolverParam &solver, const Pose *last = nullptr,
                const Progress &progress = {}) const;
 
     /// As Deformer::StepsTo, for this region.
     int StepsTo(const HeldMotions &motions, const HeldMotions *begin = nullptr) const;
 
-    /// The motions, as OwnOf gives them, at one of so many steps of a way, from 1.
+    /// A path of motions: those at a step of 1 to \p steps, as of OwnOf.
     using Way = std::function<HeldMotions(int step, int steps)>;
 
-    /// The pose at the end of a way, in \p steps, or in more if it needs more. The last one from rest is kept, and
-    /// given when asked for again. \param begin the pose that it begins at, null for rest
+    /// The pose at the end of a path, in at least \p steps steps. The last pose from rest is kept, and returned if it
+    /// is asked for again. \param begin the pose that the path begins at; null: at rest \throw as Solve
     Pose SolveAlong(const Way &way, const SolverParam &solver, int steps, const Pose *begin = nullptr,
                     const Progress &progress = {}) const;
 
-    /// The last pose that SolveAlong has found from rest, if its motions are these; else null.
+    /// The last pose from rest of SolveAlong, if its motions are these; else null.
     std::shared_ptr<const Pose> Kept(const HeldMotions &motions) const;
 
-    /// Estimates how far \p pose is from the limit of more and more nodes: root mean square over the free surface,
-    /// frame units; NaN where it cannot be told. \param solver as the pose was solved with
+    /// Estimates how far \p pose is from the pose with a node at every vertex: root mean square over the free surface,
+    /// frame units; NaN if unknown. \param solver as the pose was solved with
     double DiscretisationError(const Pose &pose, const SolverParam &solver, const Progress &progress = {}) const;
 
     const int askedPatches;                      ///< GraphParam::initialPatches that it was prepared with
     const int most;                              ///< as of ReadRegion
-    bool IsLimited() const { return isLimited; } ///< whether it would have more patches than that
+    bool IsLimited() const { return isLimited; } ///< the automatic number of patches would be above most
     double Reach() const { return reach; }       ///< about D, frame units; the same for all seeds
     /// The slots of its point handles; held.pointTag has their tags.
     const std::vector<std::size_t> &Points() const { return point; }
 
   private:
-    /// The factorised systems, for one set of compliant nodes, and for what else they depend on.
+    /// The factorised systems, and what they depend on.
     struct System {
         std::vector<bool> compliant;
         std::array<double, 2> numbers; // of NumbersOf
@@ -149,25 +148,25 @@ class RegionDeformer : public MovingRegion {
         SolverParam solver;
         std::vector<HeldMotions> way;
         Pose pose;
-        double error = -1; // DiscretisationError, once it is known; of keptLock
+        double error = -1; // DiscretisationError; -1: not computed yet; guarded by keptLock
     };
 
     void FindHolding();
     void BuildGraph(const ReadRegion &read, const Progress &progress);
-    /// \param count of patches to begin with \param rough as in PatchParam \param clusters from one to the next
+    /// \param count of patches to begin with \param rough as in PatchParam \param clusters kept between calls
     void MakeGraph(const ReadRegion &read, int count, bool rough, KeptClusters &clusters, const Progress &progress);
-    /// What holds each node: its tag, or 1 for none. Nodes that are held alone have that of what they belong to.
+    /// The tag of each node, 1 for free ones; single nodes have their original tags.
     std::vector<Index> PartOfNodes() const;
-    /// Gives nodes that are held alone the motion of what they belong to.
+    /// Sets the motions of single nodes to those of their original tags.
     void HoldOriginals(HeldMotions &m) const;
-    /// All that moves turned by 60 degrees about an axis of the frame, each about the middle of its nodes here, except
-    /// single ones, and moved by a tenth of the diagonal along it.
+    /// Motions to estimate the error with: each handle turns by 60 degrees about its middle, about an axis of the
+    /// frame, and moves by a tenth of the diagonal along it. Single vertices only move.
     HeldMotions Probe(int axis) const;
-    /// DiscretisationError in these poses, as a fraction of the diagonal: the geometric mean over the three axes, since
-    /// one of them may be far off where the surface buckles. NaN if no axis has one.
+    /// DiscretisationError in the three poses of Probe, as a fraction of the diagonal: the geometric mean, since one of
+    /// them may be far off where the surface buckles. NaN if it is unknown in all of them.
     double TurnError(const Progress &progress) const;
     NodeConstraints ConstraintsOf(const Pose &pose) const;
-    /// \p solver, without what goes beyond the paper where that is not asked for.
+    /// \p solver without acceleration and following, where BeyondPaper does not allow them.
     SolverParam StepsOf(SolverParam solver) const;
     std::shared_ptr<const System> SystemOf(const NodeConstraints &given, const SolverParam &solver,
                                            const Progress &progress) const;
@@ -178,15 +177,15 @@ class RegionDeformer : public MovingRegion {
     bool isLimited = false;
     double D = 0, reach = 0; // frame units
     detail::SmallParts small;
-    std::unique_ptr<const KeptVolume> volume; // where it is to be kept
+    std::unique_ptr<const KeptVolume> volume; // null: not elastic
     struct Holding {
         Eigen::Vector3d middle = Eigen::Vector3d::Zero(); // of its nodes, frame units
         int count = 0;                                    // of these
     };
-    std::map<Index, Holding> holding; // the tags that hold it, except points
-    mutable std::mutex lock;          // of the next one, for as long as it takes to make it
+    std::map<Index, Holding> holding; // by the tags that hold the region, except point handles
+    mutable std::mutex lock;          // of latest, also while it is made
     mutable std::shared_ptr<const System> latest;
-    mutable std::mutex keptLock; // of the next one
+    mutable std::mutex keptLock; // of kept
     mutable std::shared_ptr<KeptPose> kept;
 };
 

@@ -21,7 +21,7 @@ std::uint32_t FirstOf(const RegionSource &source, const SurfaceGraph &surface, c
     return 0;
 }
 
-/// Adds the loose parts of a part of a source to those of all of it.
+/// Adds the loose parts found in a part of a source to those of the source.
 void AddLoose(const LooseSurface &loose, const RegionSource &part, const RegionSource &source, LooseSurface &all) {
     if (loose.parts > 0 && all.partOf.empty())
         AssignLarge(all.partOf, source.tag.size(), Index(-1));
@@ -32,7 +32,8 @@ void AddLoose(const LooseSurface &loose, const RegionSource &part, const RegionS
     all.isolated += loose.isolated;
 }
 
-/// Vertices that share a place move as what holds it, be a region there or not.
+/// The vertices that share a node with vertices held by another tag, and that tag: they move with it, also where there
+/// is no region.
 std::vector<std::pair<std::uint32_t, int>> HeldBeside(const SurfaceGraph &surface, const std::vector<int> &tag,
                                                       const HeldNodes &held, const Progress &progress) {
     return CollectInOrder<std::pair<std::uint32_t, int>>(
@@ -125,8 +126,9 @@ void RegionReader::Divide(const RegionSource &source, const SurfaceGraph &surfac
     }
 }
 
-/// Of a cloud, any point around may be a neighbour: a region is read from the points around it, where it is free, and
-/// as if all else were fixed. Where it looks farther than these reach, it is read again from more of them.
+/// Divides a cloud. Any point around may be a neighbour, so a region is read from all points around its free ones, as
+/// if all others were fixed. If neighbours lie farther away than these points reach, it is read again from more of
+/// them.
 void RegionReader::DivideCloud(const RegionSource &source, const SurfaceGraph &surface, const SurfaceRegions &regions,
                                const Progress &progress, std::vector<RegionSource> &parts,
                                std::vector<ReadRegions> &within, const ReadRegions &found) {
@@ -135,7 +137,7 @@ void RegionReader::DivideCloud(const RegionSource &source, const SurfaceGraph &s
     const auto isLoose = [&](std::size_t i) { return !found.loose.partOf.empty() && found.loose.partOf[i] >= 0; };
     const auto isLive = [&](std::size_t i) { return source.tag[i] != noVertex && !isLoose(i); };
     const detail::CloudParts cloud(source.mesh, isLive, metric, progress.Slice(0, 0.1));
-    std::vector<std::vector<std::uint32_t>> free(parts.size()); // slots, also those at the place of a point handle
+    std::vector<std::vector<std::uint32_t>> free(parts.size()); // slots, also those that share a point handle's node
     std::vector<Index> of;
     for (std::size_t i = 0; i < source.tag.size(); ++i)
         if (const Index u = surface.nodeOf[i]; u >= 0 && source.tag[i] == 1) {
@@ -201,7 +203,7 @@ ReadRegion RegionReader::RegionOf(const RegionSource &source, SurfaceGraph surfa
     return read;
 }
 
-/// The slots of the nodes that are given.
+/// Sets `given`.
 void RegionReader::FindGiven(const RegionSource &source, const SurfaceGraph &surface, const HeldNodes &held,
                              ReadRegions &found) {
     const std::vector<Index> node =

@@ -14,27 +14,27 @@
 
 namespace vcg::fcd {
 
-/// The regions of a surface, and what else was met in it.
+/// The regions of a surface, and what else was found in it.
 struct ReadRegions {
     std::vector<ReadRegion> regions;
-    LooseSurface loose;                              ///< of the slots of what was read
+    LooseSurface loose;                              ///< slots of the source that was read
     std::vector<std::array<std::uint32_t, 2>> apart; ///< as of SurfaceGraph
     Index together = 0;                              ///< as of SurfaceRegions
-    Index gaps = 0; ///< between regions, too: as of SurfaceReport; 0 where there is one
-    std::vector<std::pair<std::uint32_t, int>> heldBeside; ///< vertices held as others at their place are: their tags
-    Index placedNodes = 0;                                 ///< how many of the given nodes lie on the surface
+    Index gaps = 0;                                  ///< as of SurfaceReport, also between regions; 0 for one region
+    std::vector<std::pair<std::uint32_t, int>> heldBeside; ///< vertices that share a held node, and its tag
+    Index placedNodes = 0;                                 ///< number of given nodes on the surface
     double reach = 0;                                      ///< as of Region
 };
 
-/// Reads the free surface of a mesh, divides it into regions, and reads each of these by itself, in its own frame. The
-/// weld distance is relative: in the frame of a region, a seam of the whole may be a gap. A region that falls apart so
-/// is divided again.
+/// Reads the free surface of a mesh, divides it into regions, and reads each of these again by itself, in its own
+/// frame. The weld distance is relative to the frame, so a seam of the whole surface may be a gap of a region. A region
+/// that falls apart for that reason is divided again.
 class RegionReader {
   public:
-    /// Refers to \p param. \param metric as of Frame
+    /// \param param must outlive this \param metric as of Frame
     RegionReader(const DeformerParam &param, const Eigen::Matrix3d &metric) : param(param), metric(metric) {}
 
-    /// \throw BadInput a coordinate that is not finite, point handles that make no sense, nodes that belong elsewhere
+    /// \throw BadInput a coordinate that is not finite, invalid point handles, or given nodes that lie elsewhere
     /// \throw Cancelled
     ReadRegions Read(const RegionSource &source, const Progress &progress) { return ReadPart(source, true, progress); }
 
@@ -50,7 +50,7 @@ class RegionReader {
 
     const DeformerParam &param;
     const Eigen::Matrix3d metric;
-    std::vector<std::size_t> given; // slots of the nodes that are given
+    std::vector<std::size_t> given; // slots of the vertices nearest to the given nodes
 };
 
 } // namespace vcg::fcd

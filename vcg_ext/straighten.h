@@ -10,8 +10,8 @@
 #include <vector>
 
 /// \file
-/// Straightens a surface along a line, or bends it along another one. The nodes of its deformation graph go with
-/// their cross-sections of the line. Where these would fold it or tear it apart, it follows as rigidly as possible.
+/// Straightens a surface along a line, or bends it along another line. The nodes of its deformation graph move with
+/// their cross-sections of the line. Where that would fold or tear the surface, it follows as rigidly as possible.
 
 namespace vcg::fcd {
 
@@ -20,41 +20,43 @@ struct StraightenParam : DeformationParam {
     StraightenParam();
 };
 
-/// What straightening did.
+/// How a surface was straightened.
 struct StraightenReport {
     double length = 0, newLength = 0; ///< of the line, before and after, world units
-    double jitter = 0;       ///< of the points across the line, removed: root mean square a direction, world units
-    bool leftMiddle = false; ///< the line was not moved into the middle as asked: that stretches the surface more
+    double jitter = 0;       ///< jitter of the line's points that was removed: rms in each direction, world units
+    bool leftMiddle = false; ///< the line was not moved into the middle as asked, since that stretches the surface more
     double twist = 0;        ///< of the surface about the line, from end to end, degrees; 0 if not measured
-    Index following = 0, released = 0; ///< nodes that go with the line, and that do not, as it would fold or tear there
-    std::vector<std::pair<double, double>> releasedAt; ///< where these are along the line: from, to, world units
-    double rms = 0, largest = 0; ///< distance of the surface from where its cross-sections go, world units
+    Index following = 0, released = 0; ///< nodes that move with the line; nodes that would fold or tear, and do not
+    std::vector<std::pair<double, double>> releasedAt; ///< where the latter are along the line: from, to, world units
+    double rms = 0, largest = 0; ///< distance of the surface from where its cross-sections move, world units
 };
 
-/// Tags that make all vertices free.
+/// Handles with all vertices free.
 Handles AllFree(std::size_t slots, const Eigen::Affine3d &world);
 
-/// The line along which a surface is straightened: that of \p goal. Jitter of its points that would stretch the surface
-/// is removed, unless smoothing is asked for. With goal.middle the line is moved into the middles of the
-/// cross-sections, unless that stretches the surface more. \param deformer of a surface that is all free, prepared with
-/// bendsUnheld \param world the matrix of its layer \param report if given: jitter and leftMiddle \return 3 x n, its
-/// points, in the world \throw BadInput as FramedLine; a line less than half of which lies in the box of the surface;
-/// too few cross-sections to find their middles \throw Cancelled
+/// The line along which a surface is straightened, from \p goal. Jitter of its points that would stretch the surface is
+/// removed, unless smoothing is asked for. With goal.middle, the line is moved into the middles of the cross-sections,
+/// unless that stretches the surface more.
+/// \param deformer of a surface that is all free, prepared with bendsUnheld \param world the matrix of its layer
+/// \param report if given, out: jitter and leftMiddle \return its points, 3 x n, world units
+/// \throw BadInput as FramedLine; less than half of the line lies in the box of the surface; too few cross-sections to
+/// find their middles \throw Cancelled
 Eigen::Matrix3Xd LineOf(const LineGoal &goal, const Deformer &deformer, const Eigen::Affine3d &world,
                         const Progress &progress = {}, StraightenReport *report = nullptr);
 
-/// The motion from one line to another one; length and twist are those of the surface. \param deformer, world as of
-/// LineOf \throw BadInput as LineOf, and as MotionTo; too round cross-sections to tell a twist \throw Cancelled
+/// The motion from a line to the target of \p goal. \param deformer, world as of LineOf \param report out: length,
+/// newLength, jitter, leftMiddle, twist
+/// \throw BadInput as LineOf and MotionTo of a LineGoal; cross-sections too round to measure a twist \throw Cancelled
 LineMotion MotionTo(LineGoal goal, const Deformer &deformer, const Eigen::Affine3d &world, StraightenReport &report,
                     const Progress &progress = {});
 
-/// The pose that goes with a line. \param deformer, world as of LineOf \param motion in the world
-/// \throw Unsolvable \throw Cancelled
+/// The pose that moves with a line. \param deformer, world as of LineOf \param motion world units
+/// \throw Unsolvable the graph cannot be factorised \throw Cancelled
 Deformer::Pose Straighten(const Deformer &deformer, const Eigen::Affine3d &world, const LineMotion &motion,
                           const DeformationParam &param, StraightenReport &report, const Progress &progress = {});
 
-/// How far along a line of the world each vertex slot lies, world units: 0 at its beginning, less before it, more than
-/// its length beyond its end. \param deformer as of LineOf
+/// The position of each vertex slot along a line, world units: 0 at its beginning, negative before it, above its length
+/// beyond its end. \param deformer as of LineOf \param line world units
 std::vector<float> PlacesOfVertices(const SurfaceView &mesh, const Deformer &deformer, const Eigen::Affine3d &world,
                                     const FramedLine &line, const Progress &progress = {});
 

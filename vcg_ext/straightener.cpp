@@ -14,7 +14,7 @@ namespace vcg::fcd {
 
 StraightenParam::StraightenParam() {
     bendsUnheld = true;
-    graph.initialPatches = 1000; // a patch of something that is fifty times as long as thick is no wider than that
+    graph.initialPatches = 1000; // patches are no wider than a body that is fifty times as long as it is thick
 }
 
 Handles AllFree(std::size_t slots, const Eigen::Affine3d &world) {
@@ -28,24 +28,24 @@ namespace {
 
 using detail::ToWorld;
 
-/// Constrains, of each component of a graph without a constrained node, the one that is nearest to the line.
+/// Constrains the node nearest to the line in each component of the graph that has no constrained node.
 void ConstrainComponents(const Csr &adjacency, const FramedLine &line, const Eigen::Matrix3Xd &position,
                          const std::vector<double> &place, std::vector<bool> &constrained) {
     std::vector<char> seen(constrained.size(), 0);
     for (Index first = 0; first < adjacency.Size(); ++first) {
-        if (seen[std::size_t(first)])
+        if (seen[first])
             continue;
         std::vector<Index> component(1, first);
-        seen[std::size_t(first)] = 1;
+        seen[first] = 1;
         std::pair<double, Index> nearest(std::numeric_limits<double>::infinity(), first);
         bool hasConstraint = false;
         for (std::size_t n = 0; n < component.size(); ++n) {
             const Index j = component[n];
-            hasConstraint = hasConstraint || constrained[std::size_t(j)];
-            nearest = std::min(nearest, {(line.At(place[std::size_t(j)]).point - position.col(j)).norm(), j});
+            hasConstraint = hasConstraint || constrained[j];
+            nearest = std::min(nearest, {(line.At(place[j]).point - position.col(j)).norm(), j});
             for (Index i : adjacency[j])
-                if (!seen[std::size_t(i)]) {
-                    seen[std::size_t(i)] = 1;
+                if (!seen[i]) {
+                    seen[i] = 1;
                     component.push_back(i);
                 }
         }
@@ -54,8 +54,7 @@ void ConstrainComponents(const Csr &adjacency, const FramedLine &line, const Eig
     }
 }
 
-/// Where along the line nodes are released, in report.releasedAt: as far as their patches reach, together where these
-/// touch.
+/// Sets report.releasedAt: the ranges of the line that patches of released nodes cover.
 void ListReleased(const std::vector<double> &place, const std::vector<bool> &constrained, const DeformationGraph &graph,
                   double scale, StraightenReport &report) {
     std::vector<std::pair<double, double>> at;
@@ -73,7 +72,7 @@ void ListReleased(const std::vector<double> &place, const std::vector<bool> &con
             report.releasedAt.push_back(each);
 }
 
-/// How far the surface is from where its cross-sections went, in report.rms and report.largest.
+/// Sets report.rms and report.largest.
 void MeasureDifference(const RegionDeformer &deformer, const ToWorld &toWorld, const LineMotion &motion,
                        const std::vector<double> &place, const std::vector<bool> &constrained, const RegionPose &pose,
                        const Progress &progress, StraightenReport &report) {
@@ -84,9 +83,9 @@ void MeasureDifference(const RegionDeformer &deformer, const ToWorld &toWorld, c
     for (const detail::LineSample &each :
          detail::SamplesAlong(motion.From(), deformer, toWorld, place, 4000, progress)) {
         const Index patch = deformer.patches.patchOf[std::size_t(each.node)];
-        bool isOfLine = constrained[std::size_t(patch)]; // and so is all around it
+        bool isOfLine = constrained[patch]; // and so are all nodes around it
         for (Index i : deformer.graph.graph.adjacency[patch])
-            isOfLine = isOfLine && constrained[std::size_t(i)];
+            isOfLine = isOfLine && constrained[i];
         if (!isOfLine)
             continue;
         const Eigen::Vector3d at = toWorld(mapped(each.node, toWorld.Back(each.at)));
@@ -99,19 +98,19 @@ void MeasureDifference(const RegionDeformer &deformer, const ToWorld &toWorld, c
     progress(1, "Following the line");
 }
 
-/// The points of a line without jitter, where it is not smoothed as somebody wants it to be.
+/// The points of a line without jitter, unless smoothing is given.
 SteadyPoints Steady(const Eigen::Matrix3Xd &points, double smoothing, double thickness) {
     return smoothing > 0 || !(thickness > 0) ? SteadyPoints{points, 0} : WithoutJitter(points, thickness);
 }
 
-/// \throw BadInput where less than half of the line lies in the box of the surface
+/// \throw BadInput less than half of the line lies in the box of the surface
 void ExpectInside(const FramedLine &line, const RegionDeformer &deformer, const Eigen::Affine3d &world) {
     const ToWorld toWorld(deformer.surface.frame, world);
     Eigen::AlignedBox3d box;
     for (Index u = 0; u < deformer.surface.graph.Size(); ++u)
         box.extend(toWorld(deformer.surface.graph.position.col(u).cast<double>()));
     const Eigen::Vector3d hair =
-        Eigen::Vector3d::Constant(0.01 * box.diagonal().stableNorm()); // it may be drawn beside it
+        Eigen::Vector3d::Constant(0.01 * box.diagonal().stableNorm()); // for lines on the surface
     box.extend(Eigen::Vector3d(box.min() - hair));
     box.extend(Eigen::Vector3d(box.max() + hair));
     const int places = 100;
@@ -144,8 +143,7 @@ Eigen::Matrix3Xd LineOf(const LineGoal &goal, const Deformer &prepared, const Ei
     const double before = detail::StretchAlong(deformer, world, line, progress.Slice(0.8, 0.9)),
                  after =
                      detail::StretchAlong(deformer, world, FramedLine(middle, goal.smoothing), progress.Slice(0.9, 1));
-    // Else cross-sections do not tell a middle. Three hundredths are what few points, or points with some jitter, leave
-    // of a straight body; a middle that is none makes tenths.
+    // A stretch of 0.03 is what few points, or some jitter, leave in a straight body. A wrong middle makes tenths.
     const double unclear = 0.03;
     const bool isBetter = after <= std::max(before, unclear * unclear);
     if (report)
@@ -187,9 +185,9 @@ Deformer::Pose Straighten(const Deformer &prepared, const Eigen::Affine3d &world
     NodeConstraints given;
     given.compliant.assign(std::size_t(k), false);
     given.heldArea.assign(std::size_t(k), 0);
-    double farthest = 0; // that anything moves, frame units
+    double farthest = 0; // largest move of a node, frame units, or change of its linear map
     for (Index j = 0; j < k; ++j) {
-        const LineMotion::Moved &its = moved.emplace_back(motion.At(place[std::size_t(j)], rest.col(j)));
+        const LineMotion::Moved &its = moved.emplace_back(motion.At(place[j], rest.col(j)));
         const Eigen::Vector3d before = toWorld.Back(rest.col(j)), after = toWorld.Back(its.position);
         farthest = std::max({farthest, (after - before).norm(), (its.linear - Eigen::Matrix3d::Identity()).norm()});
         Eigen::Affine3d rigid;
@@ -199,19 +197,19 @@ Deformer::Pose Straighten(const Deformer &prepared, const Eigen::Affine3d &world
         given.constrained.push_back(!its.isFolded && its.stretch < detail::mostStretch &&
                                     its.stretch > 1 / detail::mostStretch);
     }
-    // Where neighbours are at places far apart, it would tear.
+    // The surface would tear where neighbours lie far apart along the line.
     const double ratio = std::max(1.0, motion.Length() / line.Length());
     std::vector<char> tears(std::size_t(k), 0);
     for (Index j = 0; j < k; ++j)
         for (Index i : graph.graph.adjacency[j]) {
             const Eigen::Vector3d way = rest.col(j) - rest.col(i);
-            const LineMotion::Moved &a = moved[std::size_t(i)], &b = moved[std::size_t(j)];
+            const LineMotion::Moved &a = moved[i], &b = moved[j];
             const Eigen::Vector3d expected = 0.5 * (a.linear + b.linear) * way;
-            tears[std::size_t(j)] |= (b.position - a.position - expected).norm() > 0.5 * ratio * way.norm();
+            tears[j] |= (b.position - a.position - expected).norm() > 0.5 * ratio * way.norm();
         }
     for (Index j = 0; j < k; ++j)
-        if (tears[std::size_t(j)])
-            given.constrained[std::size_t(j)] = false;
+        if (tears[j])
+            given.constrained[j] = false;
     ConstrainComponents(graph.graph.adjacency, line, rest, place, given.constrained);
 
     Deformer::Pose all = prepared.Solve(AllFree(0, world), param, progress.Slice(0, 0.1));
@@ -226,11 +224,11 @@ Deformer::Pose Straighten(const Deformer &prepared, const Eigen::Affine3d &world
     } else {
         solved = pose.solved;
         for (Index j = 0; j < k; ++j) {
-            solved.position.col(j) = toWorld.Back(moved[std::size_t(j)].position);
-            solved.linear[std::size_t(j)] = moved[std::size_t(j)].turn;
+            solved.position.col(j) = toWorld.Back(moved[j].position);
+            solved.linear[j] = moved[j].turn;
         }
     }
-    // What moves by no more than numbers are rounded by, does not.
+    // A move by no more than rounding is none.
     solved.moves = farthest > 1e-12;
     solved.rests.assign(std::size_t(k), !solved.moves);
     MeasureEnergy(graph, param.smoothness * deformer.surface.area, solved);
@@ -238,8 +236,8 @@ Deformer::Pose Straighten(const Deformer &prepared, const Eigen::Affine3d &world
     pose.graph = solved;
     FitLinear(graph, given.constrained, pose.graph, param.shape.openness);
     for (Index j = 0; j < k; ++j)
-        if (given.constrained[std::size_t(j)])
-            pose.graph.linear[std::size_t(j)] = moved[std::size_t(j)].linear;
+        if (given.constrained[j])
+            pose.graph.linear[j] = moved[j].linear;
     pose.nodeMotion = given.motion;
 
     ListReleased(place, given.constrained, graph, toWorld.scale, report);
@@ -262,7 +260,7 @@ std::vector<float> PlacesOfVertices(const SurfaceView &mesh, const Deformer &pre
                 continue;
             const Eigen::Vector3d p = world * Eigen::Vector3d(mesh.At(i));
             const Index node = prepared.nodeOf[i];
-            const bool isLoose = node < 0 || deformer.patches.patchOf[std::size_t(node)] < 0;
+            const bool isLoose = node < 0 || deformer.patches.patchOf[node] < 0;
             places[i] = float(isLoose ? line.Nearest(p, 0, line.Length())
                                       : detail::PlaceNear(line, deformer, toWorld, place, node, p));
         }

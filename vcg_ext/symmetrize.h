@@ -12,63 +12,62 @@
 #include <vector>
 
 /// \file
-/// Restores the symmetry of what was sheared, bent or pressed: fits the surface onto its own mirror image and goes half
-/// of the way (retrodeformation). What has no counterpart on the other side is carried along.
+/// Restores the symmetry of a surface that was sheared, bent or pressed (retrodeformation): fits it onto its own mirror
+/// image, and moves it half-way there. Parts without a counterpart on the other side are carried along.
 
 namespace vcg::fcd {
 
-/// A landmark: a place, and the vertex that is nearest to it and stands for it.
+/// A landmark: a point, and the vertex nearest to it.
 struct SymmetryMark {
     std::size_t vertex;
-    Eigen::Vector3d place; ///< in the world; that of the vertex where that is the landmark
+    Eigen::Vector3d place; ///< world units; if the landmark is a vertex, its position
 };
 
 /// What is known of a surface's symmetry.
 struct SymmetryGoal {
-    std::optional<MirrorPlane> plane;               ///< in the world; else that of the landmarks, else the best one
-    std::vector<std::array<SymmetryMark, 2>> pairs; ///< the two of each are mirror images of each other
-    std::vector<SymmetryMark> midline;              ///< that belong on the plane
+    std::optional<MirrorPlane> plane;               ///< world units; none: that of the landmarks, or the best one
+    std::vector<std::array<SymmetryMark, 2>> pairs; ///< two landmarks that are mirror images of each other
+    std::vector<SymmetryMark> midline;              ///< landmarks on the plane
 };
 
-/// How asymmetric the surface was, and what was done. Lengths are in world units.
+/// How asymmetric the surface was, and how it was made symmetric. Lengths are in world units.
 struct SymmetryReport {
     FitReport fit; ///< of the surface onto its mirror image; its landmarks are the pairs, each from both ends, then the
                    ///< midline
-    MirrorPlane plane;               ///< in the world
+    MirrorPlane plane;               ///< world units
     bool isGiven = false;            ///< the plane was given
     bool isOfLandmarks = false;      ///< the plane is that of the landmarks
     bool isSure = true;              ///< false: another plane is nearly as good
-    double way = 0, wayMost = 0;     ///< distance of places from the mirror images of their counterparts: rms, most
-    double moved = 0, movedMost = 0; ///< how far these places were moved: root mean square, most
+    double way = 0, wayMost = 0;     ///< distance of points from the mirror images of their counterparts: rms, largest
+    double moved = 0, movedMost = 0; ///< how far these points were moved: rms, largest
     double landmarks = 0; ///< largest distance of a landmark from its partner's mirror image, before PutPartners
-    std::vector<std::size_t>
-        contradicted; ///< numbers of pairs, then midline points, from 0, that the others contradict
+    std::vector<std::size_t> contradicted; ///< pairs, then midline points, numbered from 0, that the others contradict
 };
 
-/// A surface that has become symmetric.
+/// The poses of a symmetrized surface.
 struct SymmetricPose {
-    Deformer::Pose half;   ///< symmetric
-    Deformer::Pose mirror; ///< each place is where the mirror image of its counterpart is
-    Deformer::Pose fitted; ///< for Fitter::Compare with the target: what lies on it has a counterpart
+    Deformer::Pose half;   ///< the symmetric one
+    Deformer::Pose mirror; ///< the surface on its mirror image: each point at the mirror image of its counterpart
+    Deformer::Pose fitted; ///< the fit to target, for Fitter::Compare: points that lie on target have a counterpart
     std::shared_ptr<const FitTarget> target;
 };
 
-/// Symmetrizes the surface that \p fitter is of, all of which is free.
+/// Makes the surface of \p fitter, all of which is free, symmetric.
 /// \param source, normal, world, weight as \p fitter was made with
-/// \throw BadInput landmarks that are no vertices, or named twice; a plane without a direction \throw Unsolvable
-/// \throw Cancelled
+/// \throw BadInput landmarks that are no vertices, or named twice; a plane without a direction
+/// \throw Unsolvable the fit cannot be solved \throw Cancelled
 SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const NormalOf &normal,
                          const Eigen::Affine3d &world, const SymmetryGoal &goal, SymmetryReport &report,
                          const Progress &progress = {}, const WeightOf &weight = {});
 
-/// How far a surface is from its mirror image, root mean square over the nearest nine tenths of it, world units.
+/// The distance of a surface from its mirror image, root mean square over its nearest nine tenths, world units.
 /// \param position 3 x vertex slots, mesh units \throw Cancelled
 double DistanceFromMirror(const Fitter &fitter, const SurfaceView &source, const NormalOf &normal,
                           const Eigen::Affine3d &world, const MirrorPlane &plane, const PositionsRef &position,
                           const Progress &progress = {}, const WeightOf &weight = {});
 
-/// Puts landmarks that are vertices exactly where each is the mirror image of its partner.
-/// \param position 3 x vertex slots, mesh units: that of the pose
+/// Moves landmarks that are vertices, by rounding only, so that each is exactly the mirror image of its partner.
+/// \param position in, out: 3 x vertex slots, mesh units: of SymmetricPose::half
 void PutPartners(const Fitter &fitter, const SurfaceView &source, const Eigen::Affine3d &world,
                  const SymmetryGoal &goal, const SymmetryReport &report, Eigen::Ref<Eigen::Matrix3Xd> position);
 

@@ -19,29 +19,30 @@ using detail::ToWorld;
 
 namespace {
 
-// Places that tell the plane and the warp, which has 168 numbers: enough that a third of the noise is left in it.
+// Points that plane and warp are found with: enough for the 168 numbers of the warp to be left with a third of the
+// noise.
 constexpr std::size_t places = 2000;
-// A bend by half a radian to each side needs degree 5 to be told to a thousandth of the diagonal (of twice the bend,
-// the series of the cosine ends with the power of 4, and it is sheared); more would follow single features. One of
-// degree 3 from fewer places tells which of several planes is the right one: that in which the surface is its mirror
-// image up to a warp. It is sure where the next one's misfit is so many times as large; that of a surface that is its
-// own mirror image in both is the same, up to noise. Below a ten-thousandth of the diagonal, both are as good as
-// perfect.
+// Degree of the warp. A bend by half a radian to each side needs degree 5 to be met to a thousandth of the diagonal
+// (the series of the cosine of twice the bend ends with the power of 4, and it is sheared); more would follow single
+// features. A warp of degree 3 with fewer points tells which of several planes is the right one: the one in which the
+// surface is its mirror image up to the warp. It is sure if the misfit of the next plane is sureBy times as large (if
+// the surface is its own mirror image in both, it is the same up to noise). Misfits below `perfect` of the diagonal
+// count as equal.
 constexpr int degree = 5, roughDegree = 3;
 constexpr std::size_t roughPlaces = 500;
 constexpr double sureBy = 1.25, perfect = 1e-4;
-constexpr double apart = 0.05; // of the diagonal: counterparts that are farther from each other are others
-// Landmarks beside the surface, which tells nothing along itself: more than a match does there (a hundredth).
+constexpr double apart = 0.05; // of the diagonal: counterparts farther from each other than this are different ones
+// Weight of landmarks over that of the surface: more than a match has along the surface (a hundredth).
 constexpr double landmarkWeight = 0.1;
 
-/// Landmarks in the order that the fit has them: the ends of each pair, the midline.
+/// Landmarks in the order of the fit: both ends of each pair, then the midline.
 struct Marks {
-    std::vector<std::size_t> vertex, partner; // of partners, their numbers
-    MirrorPairs place;                        // in the frame, and the partner's
-    std::vector<Eigen::Vector3d> beside;      // from the place to the vertex
-    std::size_t pairs = 0;                    // how many
+    std::vector<std::size_t> vertex, partner; // slot of the vertex; number of the partner
+    MirrorPairs place;                        // of the landmark, and of its partner, frame units
+    std::vector<Eigen::Vector3d> beside;      // from the landmark to its vertex, frame units
+    std::size_t pairs = 0;                    // number of pairs
 
-    /// Where the mirror image of a vertex's partner is: as far from the partner's place as the vertex is from its own.
+    /// The counterpart of a landmark's vertex: the partner, plus the mirror image of the offset to the vertex.
     Eigen::Vector3d Partner(std::size_t l, const MirrorPlane &plane) const {
         return place[l].second + plane.Turn(beside[l]);
     }
@@ -80,14 +81,14 @@ MirrorPlane InFrame(const MirrorPlane &plane, const ToWorld &world) {
     return {world.Back(plane.point), plane.normal.normalized()};
 }
 
-/// The plane in which the surface is its mirror image, up to a warp: of several that are equally good, the one
-/// in which it is most like that without a warp.
+/// The plane in which the surface is its mirror image, up to a warp. Of several that are equally good, the first of
+/// \p planes.
 template <class GoalIn>
 MirrorPlane BestPlane(const std::vector<MirrorPlane> &planes, const GoalIn &goalIn, bool &isSure,
                       const Progress &progress) {
     struct Tried {
         WarpReport fit;
-        MirrorPairs pairs; // places, and their counterparts
+        MirrorPairs pairs; // points, and their counterparts
     };
     std::vector<Tried> all(planes.size());
     double least = std::numeric_limits<double>::infinity();
@@ -105,7 +106,7 @@ MirrorPlane BestPlane(const std::vector<MirrorPlane> &planes, const GoalIn &goal
     }
     const auto isGood = [&](const Tried &each) { return each.fit.misfit <= sureBy * std::max(least, perfect); };
     const Tried &best = *std::find_if(all.begin(), all.end(), isGood);
-    const auto isOther = [&](const Tried &each) { // one that leads to other counterparts
+    const auto isOther = [&](const Tried &each) { // its counterparts are others
         double squares = 0;
         for (std::size_t s = 0; s < best.pairs.size(); ++s)
             squares += (each.pairs[s].second - best.pairs[s].second).squaredNorm();
@@ -133,7 +134,7 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
     warped.normal = NormalsAtNodes(source, normal, fitter.Surface(), sample);
     for (Index node : sample) {
         warped.place.emplace_back(region.surface.graph.position.col(node).cast<double>());
-        warped.weight.push_back(nodeWeight.empty() ? 1 : double(nodeWeight[std::size_t(node)]));
+        warped.weight.push_back(nodeWeight.empty() ? 1 : double(nodeWeight[node]));
     }
     const auto itself = fitter.Prepare({source, normal, world, {}, weight, {}, "surface"}, progress.Slice(0, 0.1));
 
@@ -145,8 +146,8 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
         plane = PlaneOf(marks.place, {}, report.isOfLandmarks);
     const auto goalIn = [&](const MirrorPlane &in) {
         WarpGoal whole = warped;
-        // It takes the surface onto its mirror image as far as that is smooth; what is mirrored back is nearest to the
-        // surface itself.
+        // The warp takes the surface onto its mirror image, as far as it is smooth. Matches are found on the surface
+        // itself, for points that are mirrored back.
         whole.match = [&itself, in](std::size_t, const Eigen::Vector3d &at) {
             const FitTarget::Match match = itself->Nearest(in(at));
             return WarpMatch{in(match.point), in.Turn(match.normal), match.isOriented,
@@ -166,8 +167,8 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
     report.plane = {inWorld(plane.point), plane.normal};
     const SmoothWarp warp = FitWarp(goalIn(plane), progress.Slice(0.3, 0.45));
 
-    // The rest of the way is a fit. It begins at the surface itself: what is fitted to is not its mirror image, but
-    // that of the warped surface, which lies where the surface is.
+    // A fit does the rest. Its target is not the mirror image of the surface, but that of the warped surface, which
+    // lies near the surface at rest, where the fit begins.
     Eigen::Matrix3Xd position(3, Eigen::Index(source.vertexSlots));
     ParallelFor(progress.threads, source.vertexSlots, 1 << 12, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
@@ -176,7 +177,7 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
         }
     });
     std::vector<std::uint32_t> corner(source.corner, source.corner + 3 * source.faces);
-    for (std::size_t f = 0; f < source.faces; ++f) // outside is outside again
+    for (std::size_t f = 0; f < source.faces; ++f) // mirrored faces look inwards: flip them
         if (source.IsFace(f))
             std::swap(corner[3 * f + 1], corner[3 * f + 2]);
     SurfaceView mirrored = source.With(position);
@@ -200,8 +201,7 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
             report.contradicted.push_back(number);
     }
 
-    // What is fitted lies at the mirror image of the warped counterpart; the counterpart's own mirror image is asked
-    // for.
+    // The fit puts points at the mirror images of their warped counterparts; undo the warp.
     const auto put = [](Deformer::Pose &pose, const GraphPose &graph) {
         pose.region[0].solved = pose.region[0].graph = graph;
     };
@@ -212,7 +212,7 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
         const Eigen::Vector3d from = warp.Back(at, at);
         const Eigen::Matrix3d linear = warp.LinearAt(from).inverse();
         whole.position.col(j) = plane(from);
-        whole.linear[std::size_t(j)] = plane.Linear() * linear * plane.Linear() * whole.linear[std::size_t(j)];
+        whole.linear[j] = plane.Linear() * linear * plane.Linear() * whole.linear[j];
     }
     GraphPose half = HalfPose(region.graph, whole);
     FitSamples samples;
@@ -221,7 +221,7 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
     if (samples.Size() > 0) {
         std::vector<Eigen::Vector3d> at, goals;
         for (std::size_t l = 0; l < samples.Size(); ++l)
-            at.emplace_back(samples.At(l, half) - marks.beside[l]); // of the place
+            at.emplace_back(samples.At(l, half) - marks.beside[l]); // of the landmark
         for (std::size_t l = 0; l < samples.Size(); ++l) {
             const Eigen::Vector3d middle = 0.5 * (at[l] + plane(at[marks.partner[l]]));
             goals.emplace_back(middle + marks.beside[l]);
@@ -270,7 +270,7 @@ double DistanceFromMirror(const Fitter &fitter, const SurfaceView &source, const
             far.push_back((itself->Nearest(p).point - p).norm());
         }
     std::sort(far.begin(), far.end());
-    far.resize(far.size() - far.size() / 10); // what is missing on one side is far from anything
+    far.resize(far.size() - far.size() / 10); // parts that are missing on one side are far from anything
     double squares = 0;
     for (double each : far)
         squares += each * each;
@@ -286,7 +286,7 @@ void PutPartners(const Fitter &fitter, const SurfaceView &source, const Eigen::A
     };
     const Eigen::Affine3d back = world.inverse();
     const std::vector<Index> &nodeOf = fitter.Surface().nodeOf;
-    std::map<Index, Eigen::Vector3d> placed; // with all vertices at the same place
+    std::map<Index, Eigen::Vector3d> placed; // by node, so with all vertices at one position
     const auto put = [&](std::size_t vertex, const Eigen::Vector3d &to) {
         if ((at(vertex) - to).stableNorm() <= rounding)
             placed[nodeOf[vertex]] = back * to;

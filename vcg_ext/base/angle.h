@@ -7,8 +7,8 @@
 
 namespace vcg::fcd {
 
-/// The angle in (0, pi) of a cotangent, to 1e-7: atan by M. Abramowitz, I. A. Stegun, Handbook of Mathematical
-/// Functions, 4.4.49. Without a branch, so that compilers make several at a time.
+/// The angle in (0, pi) radians of a cotangent, to 1e-7: atan by M. Abramowitz, I. A. Stegun, Handbook of Mathematical
+/// Functions, 4.4.49. Without branches, so that compilers vectorise it.
 inline float AngleOfCotangent(float cotangent) {
     constexpr float right = 1.57079633f;
     const float size = std::fabs(cotangent), t = std::min(size, 1 / size), s = t * t;

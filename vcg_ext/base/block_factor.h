@@ -25,8 +25,8 @@ struct BlockMatrix {
     }
 
     std::vector<Block> diagonal;                ///< n, symmetric
-    std::vector<std::pair<Index, Index>> where; ///< row and column of each block beside it, once, not its transpose
-    std::vector<Block> beside;                  ///< as many
+    std::vector<std::pair<Index, Index>> where; ///< row and column of each other block, once, without its transpose
+    std::vector<Block> beside;                  ///< these blocks
 
     Eigen::VectorXd operator*(const Eigen::VectorXd &x) const {
         Eigen::VectorXd y(x.size());
@@ -52,14 +52,14 @@ struct EntryArithmetic<Eigen::Matrix<double, width, width>> {
     }
 };
 
-/// L D L^T of such a matrix, by blocks: some times as fast as by numbers, where most entries of a block are not 0.
+/// L D L^T of a BlockMatrix, by blocks: several times as fast as by numbers if most entries of a block are not 0.
 template <int width>
 class BlockFactor : private SparseFactor {
   public:
     using BlockMatrix = detail::BlockMatrix<width>;
     using Block = typename BlockMatrix::Block;
 
-    /// \param limit multiplications \return whether no more are needed; only then it may be factorised
+    /// \param limit multiplications \return whether no more are needed; if false, do not factorise
     bool Analyse(const BlockMatrix &matrix, double limit) {
         const auto n = Index(matrix.diagonal.size());
         std::vector<Eigen::Triplet<double>> entries;
@@ -81,7 +81,8 @@ class BlockFactor : private SparseFactor {
         return true;
     }
 
-    /// \pre Analyse of a matrix with the same blocks \return whether it could be factorised \throw Cancelled
+    /// \pre Analyse of a matrix with the same blocks returned true \return false: the matrix is singular
+    /// \throw Cancelled
     bool Factorise(const BlockMatrix &matrix, const Progress &progress, const char *stage) {
         inverse.resize(matrix.diagonal.size());
         return FactoriseRows(
@@ -95,7 +96,7 @@ class BlockFactor : private SparseFactor {
             progress, stage);
     }
 
-    /// In how many directions the quadratic form of the matrix falls.
+    /// The number of negative eigenvalues.
     Index Negative() const {
         Eigen::Index count = 0;
         for (const Block &each : inverse)
@@ -129,8 +130,8 @@ class BlockFactor : private SparseFactor {
     /// A block of a row, left of the diagonal.
     struct Item {
         Index column;
-        std::size_t p;     // in BlockMatrix::beside
-        bool isTransposed; // there
+        std::size_t p;     // index in BlockMatrix::beside
+        bool isTransposed; // of the block there
     };
 
     Index Place(Index block) const { return m_P.indices()[block]; }

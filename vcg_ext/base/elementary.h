@@ -8,15 +8,14 @@
 namespace vcg::fcd::detail {
 
 /// \file
-/// Sine, exponential and the like with the same bits everywhere. Those of C libraries differ in the last bit between
-/// systems, versions and processors. Each is made of operations that IEEE 754 rounds in one way: sums, products,
-/// quotients, square roots and shifts of the binary point; by its Taylor series where few terms are enough. Off by four
-/// units in the last place at most (of 1, for sine and cosine). tests/rooms.py sees to it that the method calls no
-/// others.
+/// Sine, exponential and the like with the same bits everywhere; those of C libraries differ in the last bit. They use
+/// only operations that IEEE 754 rounds in one way: sums, products, quotients, square roots and shifts of the binary
+/// point. Errors are at most four units in the last place (of 1, for sine and cosine). tests/rooms.py checks that the
+/// method calls no others.
 
 constexpr double pi = 3.141592653589793;
 
-/// What an angle is beyond the nearest multiple of pi / 2, and which one of four that is.
+/// An angle as a multiple of pi / 2, modulo four, and the rest, in [-pi / 4, pi / 4].
 struct Quadrant {
     double rest;
     int number;
@@ -58,7 +57,7 @@ inline double Cosine(double x) {
     return ((q.number + 1) & 2) ? -value : value;
 }
 
-/// The angle of (x, y) from the first axis, in [-pi, pi]; 0 of no length.
+/// The angle of (x, y) from the first axis, in [-pi, pi]; 0 if both are 0.
 inline double ArcTangent(double y, double x) {
     const double a = std::abs(x), b = std::abs(y), longer = std::max(a, b);
     if (!(longer > 0))
@@ -81,7 +80,7 @@ inline double ArcTangent(double y, double x) {
 inline double ArcCosine(double x) { return ArcTangent(std::sqrt(std::max(0., (1 - x) * (1 + x))), x); }
 
 inline double Exponential(double x) {
-    x = std::min(std::max(x, -750.), 710.); // beyond, it is 0, or infinite
+    x = std::min(std::max(x, -750.), 710.); // beyond, the result is 0 or infinite
     const double k = std::nearbyint(x * 1.4426950408889634);
     const double rest = (x - k * 0x1.62e42feep-1) - k * 0x1.a39ef35793c76p-33; // of ln 2 in two parts
     double sum = 1;
@@ -93,7 +92,7 @@ inline double Exponential(double x) {
 /// x = 2^exponent (1 + s) / (1 - s), |s| <= 0.172.
 struct Scaled {
     double s;
-    int exponent = 0; // frexp sets it, which GCC does not know
+    int exponent = 0; // set by frexp; = 0 for GCC's warning
 
     explicit Scaled(double x) {
         double part = std::frexp(x, &exponent);
@@ -117,13 +116,13 @@ inline double Logarithm(double x) {
     return scaled.exponent * 0.6931471805599453 + scaled.Logarithm();
 }
 
-/// Exact where it is whole. \param x > 0
+/// Exact for powers of two. \param x > 0
 inline double BinaryLogarithm(double x) {
     const Scaled scaled(x);
     return scaled.exponent + scaled.Logarithm() * 1.4426950408889634;
 }
 
-/// x to the power of y, to |y ln x| + 1 times what the others are off by. \param x > 0
+/// x to the power of y. The error is up to |y ln x| + 1 times that of the others. \param x > 0
 inline double Power(double x, double y) { return Exponential(y * Logarithm(x)); }
 
 inline double Squared(double x) { return x * x; }

@@ -5,27 +5,27 @@
 #include <stdexcept>
 
 /// \file
-/// What may go wrong, as types, so that a caller can tell one from the other: BadInput, Unsolvable, Cancelled (which is
-/// no Error), and std::bad_alloc where memory runs out. After each of them nothing that was given is changed.
+/// What the library throws: BadInput, Unsolvable, Cancelled (which is no Error), and std::bad_alloc. After each of
+/// them, all arguments are as they were.
 
 namespace vcg::fcd {
 
-/// What went wrong and what to do about it, in words for the user.
+/// An error whose text tells a user what is wrong and what to do about it.
 struct Error : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// What was given cannot be worked with: a mesh, a tag, a motion, a parameter, a file.
+/// An argument cannot be used: a mesh, a tag, a motion, a parameter, a file.
 struct BadInput : Error {
     using Error::Error;
 };
 
-/// What was given is sound, and yet there is no solution in numbers: a system that cannot be factorised.
+/// All arguments are valid, but the system of equations cannot be solved in numbers, or not in reasonable time.
 struct Unsolvable : Error {
     using Error::Error;
 };
 
-/// Thrown out of a computation whose progress callback returned false.
+/// The progress callback returned false.
 struct Cancelled : std::runtime_error {
     Cancelled() : std::runtime_error("Cancelled.") {}
 };

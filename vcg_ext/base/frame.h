@@ -12,19 +12,21 @@
 
 namespace vcg::fcd {
 
-/// The unit frame in which everything is computed: origin at the centre of the bounding box of what is read, the box's
-/// diagonal 1. A few points far outside of all others do not widen the box.
+/// The coordinates that everything is computed in. Frame units: the bounding box of what is read has its centre at the
+/// origin and a diagonal of 1; a few stray points far outside do not widen it. World units: after the layer's matrix.
+/// Mesh units: as the vertices are stored.
 struct Frame {
-    /// From mesh units to world units: the linear part of a layer's matrix. Lengths are measured in the world, so that
-    /// a mesh bends as it would with the matrix applied to it.
+    /// From mesh units to world units: the linear part of the layer's matrix. Lengths are measured in world units, so
+    /// that a mesh bends as it would with its matrix applied.
     Eigen::Matrix3d metric = Eigen::Matrix3d::Identity();
     Eigen::Matrix3d inverseMetric = Eigen::Matrix3d::Identity();
     bool isSame = true;                               ///< the metric is the identity
-    Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< in world units, without the matrix's translation
+    Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< world units, without the translation of the layer's matrix
     double scale = 1;                                 ///< world units per frame unit
 
-    /// \throw BadInput where \p linear has no inverse
+    /// \throw BadInput \p linear is not finite, or has no inverse
     void SetMetric(const Eigen::Matrix3d &linear);
+    // Positions: mesh to world, world to frame, mesh to frame, frame to mesh.
     Eigen::Vector3d ToWorld(const Eigen::Vector3d &p) const { return isSame ? p : metric * p; }
     Eigen::Vector3d FromWorld(const Eigen::Vector3d &world) const { return (world - origin) / scale; }
     Eigen::Vector3d ToFrame(const Eigen::Vector3d &p) const { return FromWorld(ToWorld(p)); }
@@ -33,14 +35,14 @@ struct Frame {
         return isSame ? world : inverseMetric * world;
     }
 
-    /// An affine motion in mesh units (4 x 4), expressed in the frame.
+    /// An affine motion (4 x 4), from mesh units to frame units.
     Eigen::Affine3d ToFrame(const Eigen::Matrix4d &motion) const {
         Eigen::Affine3d m(motion);
         m.linear() = metric * m.linear() * inverseMetric;
         m.translation() = (m.linear() * origin + metric * m.translation() - origin) / scale;
         return m;
     }
-    /// The way back.
+    /// An affine motion, from frame units to mesh units.
     Eigen::Matrix4d FromFrame(const Eigen::Affine3d &motion) const {
         Eigen::Affine3d m(motion);
         m.translation() = inverseMetric * (motion.translation() * scale + origin - motion.linear() * origin);
@@ -70,7 +72,7 @@ inline double TakeUnit(std::vector<Eigen::Vector3d> &points) {
     return unit;
 }
 
-/// From the frame to the world with the whole of a layer's matrix, and back: they differ by a scale and a shift.
+/// Positions from frame units to world units, with the translation of the layer's matrix, and back.
 struct ToWorld {
     double scale;
     Eigen::Vector3d origin;
@@ -81,14 +83,14 @@ struct ToWorld {
     Eigen::Vector3d Back(const Eigen::Vector3d &p) const { return (p - origin) / scale; }
 };
 
-/// A box without a few points far outside of it: the box of a sample's middle 80 %, eight times as large, where that is
-/// smaller. (Eight: what is a surface and not a stray point stays inside; the frame's floats lose no more than three
-/// bits by what is kept.) \param at position of each of \p count points
+/// The part of the box of some points that holds all but strays: its intersection with eight times the box of a
+/// sample's middle 80 %. (Eight: surfaces stay inside, and what is kept costs the frame's floats three bits at most.)
+/// \param at at(i): position of one of \p count points
 template <class At>
 Eigen::AlignedBox3d WithoutStrays(const Eigen::AlignedBox3d &box, std::size_t count, const At &at) {
     const std::size_t wanted = std::min<std::size_t>(count, 256);
     std::vector<double> sample[3];
-    // One of each stretch, at the golden ratio's multiples: a fixed stride may run along a row or a column of a raster.
+    // One point of each stretch, at multiples of the golden ratio: a fixed stride could run along a column of a raster.
     const double golden = 0.6180339887498949;
     for (std::size_t i = 0; i < wanted; ++i) {
         const std::size_t first = count * i / wanted, next = count * (i + 1) / wanted;

@@ -36,17 +36,16 @@ struct Csr {
     Row operator[](Index i) const { return {item.data() + begin[i], item.data() + begin[i + 1]}; }
 };
 
-/// Undirected graph with a position per node. The connectivity of a mesh and the deformation graph over it are this
-/// same type at two sizes, so nothing that works on it can depend on faces.
+/// An undirected graph with a position per node: the vertices of a mesh, or the deformation graph over it.
 struct Graph {
     Csr adjacency;             ///< neighbours of each node, ascending, without the node itself
-    Eigen::Matrix3Xf position; ///< 3 x n
-    bool isCloud = false;      ///< neighbours are the nearest points, and no corners of triangles
+    Eigen::Matrix3Xf position; ///< 3 x n, frame units
+    bool isCloud = false;      ///< neighbours are the nearest points, not corners of triangles
 
     Index Size() const { return adjacency.Size(); }
 };
 
-/// The lists that collect(u, list) makes for u in [0, n), in order, one after the other.
+/// Calls collect(u, list) for u in [0, n), in parallel. \return what it added to the lists, in the order of u
 template <class Item = Index, class Collect>
 std::vector<Item> CollectInOrder(const Progress &progress, const char *stage, Index n, const Collect &collect) {
     const std::size_t grain = 1 << 16;
@@ -60,17 +59,17 @@ std::vector<Item> CollectInOrder(const Progress &progress, const char *stage, In
     return Together(lists);
 }
 
-/// The dual graph of a partition: groups that touch, and a value that their edges add up to.
+/// The dual graph of groups of nodes: which groups touch, and the sum of a value over the edges between two groups.
 template <class Value>
 struct Quotient {
     Csr adjacency;            ///< groups joined by at least one edge, ascending
     std::vector<Value> value; ///< of each adjacency item; the same in both directions
 };
 
-/// Builds the dual graph of the groups that \p groupOf (n values in [0, groups), or -1 for none) makes of \p graph's
-/// nodes.
-/// \param valueOf valueOf(u, v, value): sets the value (zero before) of the edge from node u to node v of a group of a
-///        larger number; false where it does not join the two
+/// The dual graph of groups of nodes of \p graph.
+/// \param groupOf n values in [0, groups), or -1 for none
+/// \param valueOf valueOf(u, v, value): sets the value (zero before) of the edge from node u to node v, whose group has
+///        the larger number; returns false if the edge does not count
 template <class Value, class ValueOf>
 Quotient<Value> QuotientGraph(const Csr &graph, const std::vector<Index> &groupOf, Index groups, const ValueOf &valueOf,
                               const Progress &progress = {}, const char *stage = "Building the graph") {
@@ -97,7 +96,7 @@ Quotient<Value> QuotientGraph(const Csr &graph, const std::vector<Index> &groupO
         for (std::size_t u = first; u < last; ++u)
             for (Index v : graph[Index(u)]) {
                 const Index a = groupOf[u], b = groupOf[v];
-                if (a >= 0 && a < b) { // each edge is seen from both ends, and counted at one
+                if (a >= 0 && a < b) { // each edge comes twice, and counts once
                     Crossing crossing{std::uint64_t(a) << 32 | std::uint32_t(b), Value()};
                     if (valueOf(Index(u), v, crossing.value))
                         list.push_back(crossing);
@@ -134,7 +133,7 @@ Quotient<Value> QuotientGraph(const Csr &graph, const std::vector<Index> &groupO
     return dual;
 }
 
-/// Numbers from 0 to n - 1 that are joined: each is known by the smallest one that it is joined with.
+/// A partition of the numbers 0 to n - 1 (union-find). The root of a set is its smallest number.
 class DisjointSets {
   public:
     explicit DisjointSets(Index n) : parent(std::size_t(n)) { std::iota(parent.begin(), parent.end(), 0); }
@@ -143,26 +142,26 @@ class DisjointSets {
             u = parent[u] = parent[parent[u]];
         return u;
     }
-    /// \return whether they were not
+    /// \return whether they were in different sets
     bool Join(Index u, Index v) {
         const Index a = Root(u), b = Root(v);
         parent[std::max(a, b)] = std::min(a, b);
         return a != b;
     }
-    /// That of each. The last that is asked.
+    /// The root of each number. Call it last.
     std::vector<Index> TakeRoots() {
-        for (Index &each : parent) // ascending: that of the parent is known
+        for (Index &each : parent) // ascending: the parent's root is known
             each = parent[each];
         return std::move(parent);
     }
 
   private:
-    std::vector<Index> parent; // of each, towards the smallest
+    std::vector<Index> parent; // of each, a smaller number of its set, or itself
 };
 
-/// The connected component of each node with takesPart(node), by the edges with joins(u, v), numbered in the order of
-/// their first nodes; -1 for other nodes. Blocks of neighbouring nodes are joined in parallel, then the edges between
-/// blocks. \return the number of components
+/// The connected components of the nodes with takesPart(node), by the edges with joins(u, v), numbered in the order of
+/// their first nodes. \param componentOf out: of each node, -1 if it does not take part
+/// \return the number of components
 template <class TakesPart, class Joins>
 Index ConnectedComponents(const Csr &graph, const TakesPart &takesPart, const Joins &joins,
                           std::vector<Index> &componentOf, const Progress &progress, const char *stage) {
@@ -195,7 +194,7 @@ Index ConnectedComponents(const Csr &graph, const TakesPart &takesPart, const Jo
     return components;
 }
 
-/// The same of all nodes.
+/// The same for all nodes and edges.
 inline Index ConnectedComponents(const Csr &graph, std::vector<Index> &componentOf, const Progress &progress = {},
                                  const char *stage = "Building the graph") {
     return ConnectedComponents(

@@ -10,9 +10,9 @@
 
 namespace vcg::fcd {
 
-/// The lists that threads found, one of each range, one after the other; each is freed as soon as it is in it. By one
-/// thread: most of the time goes to memory that is used for the first time, and several, which need it to be filled
-/// before, take twice as long. \param parts have a list each \param list the member that is it
+/// Joins the lists of several ranges into one, and frees each as soon as it is copied. One thread does it: most of the
+/// time goes to memory that is used for the first time, and several threads, for which it would have to be initialised,
+/// take twice as long. \param list the member of a part that is its list
 template <class Part, class Item>
 std::vector<Item> Together(std::vector<Part> &parts, std::vector<Item> Part::*list) {
     std::size_t size = 0;
@@ -28,7 +28,7 @@ std::vector<Item> Together(std::vector<Part> &parts, std::vector<Item> Part::*li
     return all;
 }
 
-/// The same of lists that are all there is of the parts.
+/// The same for plain lists.
 template <class Item>
 std::vector<Item> Together(std::vector<std::vector<Item>> &lists) {
     struct Part {

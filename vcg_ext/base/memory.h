@@ -14,9 +14,9 @@
 
 namespace vcg::fcd {
 
-/// Begins to read memory that is needed soon.
+/// Starts to load memory that is needed soon.
 #ifdef __GNUC__
-__attribute__((always_inline)) // as a function without an effect, its calls would be optimised away
+__attribute__((always_inline)) // or calls, which have no effect, would be optimised away
 #endif
 inline void
 Prefetch(const void *memory) {
@@ -27,8 +27,8 @@ Prefetch(const void *memory) {
 #endif
 }
 
-/// Asks for large pages behind memory that is about to be used for the first time: where an array is as large as the
-/// mesh, looking up small pages takes a fifth of the time. A hint that changes nothing else.
+/// Asks for large pages for memory that has not been used yet. In arrays as large as the mesh, looking up small pages
+/// takes a fifth of the time.
 inline void PreferLargePages(const void *memory, std::size_t bytes) {
 #ifdef __linux__
     constexpr std::uintptr_t large = 1 << 21;
@@ -42,7 +42,7 @@ inline void PreferLargePages(const void *memory, std::size_t bytes) {
 #endif
 }
 
-/// \p n items that are left uninitialised, which saves a pass over them, in large pages.
+/// \p n uninitialised items, in large pages.
 template <class T>
 std::unique_ptr<T[]> LargeArray(std::size_t n) {
     static_assert(std::is_trivially_destructible<T>::value, "LargeArray holds plain data");
@@ -51,7 +51,7 @@ std::unique_ptr<T[]> LargeArray(std::size_t n) {
     return array;
 }
 
-/// Makes \p n equal items of \p array, in large pages.
+/// Sets \p array to \p n equal items, in large pages.
 template <class T>
 void AssignLarge(std::vector<T> &array, std::size_t n, const T &value) {
     array.clear();

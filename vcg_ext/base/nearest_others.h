@@ -17,7 +17,7 @@
 
 namespace vcg::fcd {
 
-/// The nearest others of points in blocks. Keeps its buffers between questions; one a thread.
+/// Finds the nearest other points of all points of a block at once. Keeps its buffers; use one a thread.
 template <class Scalar>
 class NearestOthers {
   public:
@@ -25,14 +25,14 @@ class NearestOthers {
 
     explicit NearestOthers(const PointTree<Scalar> &points) : points(points) {}
 
-    /// Finds the \p count nearest others, or all where there are fewer, of each of the points [first, last), which are
-    /// near each other. In the order of the blocks.
+    /// Finds the \p count nearest others (or all, if there are fewer) of each of the points [first, last), in the order
+    /// of the blocks; these points should be near each other.
     void Ask(std::size_t first, std::size_t last, std::size_t count) {
         if (each != std::min(count, points.Size() - 1)) {
             each = std::min(count, points.Size() - 1);
             reach = usual = std::numeric_limits<Scalar>::infinity();
             most = 8 * (each + few);
-            const std::size_t room = most + 2 * PointTree<Scalar>::most; // some are written before they are counted
+            const std::size_t room = most + 2 * PointTree<Scalar>::most; // points are written before they are counted
             for (auto *buffer : {&square, &x, &y, &z, &key})
                 buffer->resize(room);
             which.resize(room);
@@ -46,24 +46,24 @@ class NearestOthers {
         if (each > 0)
             Answer(first, last);
     }
-    /// Whether the answer of a point is there.
+    /// Whether the last Ask was for this point and \p count.
     bool Knows(std::size_t at, std::size_t count) const {
         return from <= at && at < to && each == std::min(count, points.Size() - 1);
     }
     std::size_t Each() const { return each; }
-    /// The Each() nearest others of a point that was asked for, the nearest first.
+    /// The Each() nearest others of a point of Ask, the nearest first.
     const Neighbour *Of(std::size_t at) const { return found.data() + (at - from) * each; }
 
   private:
     using Box = typename PointTree<Scalar>::Box;
-    using Rank = std::conditional_t<sizeof(Scalar) == 8, std::int64_t, std::int32_t>; // as wide, to count in vectors
+    using Rank = std::conditional_t<sizeof(Scalar) == 8, std::int64_t, std::int32_t>; // as wide as Scalar, for vectors
     static constexpr std::size_t few = 64;
     static constexpr std::size_t lanes = 8;                                         // few is a multiple of it
-    static constexpr Scalar more = 1 + 16 * std::numeric_limits<Scalar>::epsilon(); // than what is rounded
+    static constexpr Scalar more = 1 + 16 * std::numeric_limits<Scalar>::epsilon(); // more than rounding
 
     static Scalar Square(Scalar a) { return a * a * more; }
 
-    /// Tells what is found of the points [first, last).
+    /// Appends the nearest others of the points [first, last) to `found`.
     void Answer(std::size_t first, std::size_t last) {
         if (last - first == 1) {
             points.Nearest(points.At(first), each, near, PointTree<Scalar>::none, first);
@@ -72,11 +72,11 @@ class NearestOthers {
         }
         const Box box = points.BoxOf(first, last);
         const std::size_t begin = told;
-        // About as far as those of the last ones; never farther than those of one of them, and the others from it.
+        // Begin with about the distance of the last points' neighbours, at most that of one point's, plus the diagonal.
         Scalar within = std::min(reach * Scalar(1.5), Square(std::sqrt(Beside(first)) + box.Diagonal()));
         for (;;) {
             told = begin;
-            if (!Collect(box, within)) { // some of them are far from the others
+            if (!Collect(box, within)) { // too many candidates: the points are far from each other
                 const std::size_t middle = (first + last) / 2;
                 Answer(first, middle);
                 Answer(middle, last);
@@ -98,7 +98,7 @@ class NearestOthers {
         }
     }
 
-    /// Squares of distances from a point to those of some arrays.
+    /// Sets `square` to the squared distances from a point to the points of some arrays.
     void Measure(std::size_t i, const Scalar *x, const Scalar *y, const Scalar *z, std::size_t count) {
         const Scalar px = points.X()[i], py = points.Y()[i], pz = points.Z()[i];
         Scalar *const s = square.data();
@@ -108,15 +108,14 @@ class NearestOthers {
         }
     }
 
-    /// Square of how far the nearest ones of a point are at most, as those beside it in the order show.
+    /// An upper bound of the squared distance of a point's neighbours, from the points beside it in the order.
     Scalar Beside(std::size_t i) {
         const std::size_t first = std::min(i - std::min(i, each / 2), points.Size() - each - 1);
         Measure(i, points.X() + first, points.Y() + first, points.Z() + first, each + 1);
         return *std::max_element(square.begin(), square.begin() + std::ptrdiff_t(each + 1));
     }
 
-    /// Takes the points near \p box. \param within square of how far \return false where they are so many that those of
-    /// the box had better ask for themselves
+    /// Collects the points near \p box as candidates. \param within squared distance \return false: there are too many
     bool Collect(const Box &box, Scalar within) {
         candidates = 0;
         points.ForEachNear(box, within * more, [&](std::size_t first, std::size_t last) {
@@ -124,7 +123,7 @@ class NearestOthers {
             for (std::size_t i = first; i < last; ++i)
                 far[i - first] = box.SquareTo(points.X()[i], points.Y()[i], points.Z()[i]);
             std::size_t n = candidates;
-            for (std::size_t i = first; i < last; ++i) { // without a branch that cannot be foreseen
+            for (std::size_t i = first; i < last; ++i) { // without branches, which could not be predicted
                 which[n] = Index(i);
                 x[n] = points.X()[i];
                 y[n] = points.Y()[i];
@@ -137,8 +136,8 @@ class NearestOthers {
         return candidates <= most;
     }
 
-    /// The others among what was collected and last measured, within a distance (its square): sets key and place.
-    /// \return how many
+    /// Sets key and place of the candidates within a distance of point \p i. \pre Measure \param bound squared
+    /// \return how many there are
     std::size_t Within(std::size_t i, Scalar bound) {
         std::size_t hits = 0;
         for (std::size_t c = 0; c < candidates; ++c) {
@@ -149,10 +148,10 @@ class NearestOthers {
         return hits;
     }
 
-    /// Tells the nearest of what was collected. \param follows the point before it was the last one
+    /// Appends the nearest candidates of point \p i to `found`. \param follows the last point was i - 1
     void Choose(std::size_t i, bool follows) {
         Measure(i, x.data(), y.data(), z.data(), candidates);
-        // Mostly about as far as those of the last one; never farther than from there.
+        // Mostly about as far as those of the last point; never farther than by the step from there.
         std::size_t hits = Within(i, usual * Scalar(1.25));
         if (hits < each && follows)
             hits = Within(i, Square(std::sqrt(usual) + (points.At(i) - points.At(i - 1)).norm()));
@@ -172,14 +171,14 @@ class NearestOthers {
         Tell();
     }
 
-    /// Tells the first ones of `near`.
+    /// Appends the first of `near` to `found`.
     void Tell() {
         std::copy(near.begin(), near.begin() + std::ptrdiff_t(each), found.begin() + std::ptrdiff_t(told));
         told += each;
     }
 
-    /// Sorts the first few of key and place by counting how many are nearer than each: without a branch that cannot be
-    /// foreseen. \return false where some are equally near
+    /// Appends the nearest of key and place to `found`. Sorts by counting how many are nearer than each, without
+    /// branches that could not be predicted. \return false: some are equally near, and nothing was appended
     bool Count(std::size_t hits) {
         std::fill_n(key.begin() + std::ptrdiff_t(hits), lanes, std::numeric_limits<Scalar>::infinity());
         Index at[few];
@@ -205,12 +204,12 @@ class NearestOthers {
 
     const PointTree<Scalar> &points;
     std::size_t each = std::size_t(-1), from = 0, to = 0;
-    std::size_t most = 0, candidates = 0; // how many may be collected, and how many are
-    Scalar reach = 0, usual = 0;          // squares of how far those of the last ones, and of the last one, were found
-    std::vector<Scalar> square, x, y, z, key; // of the collected points; key: of the candidates
-    std::vector<Index> which, place;
+    std::size_t most = 0, candidates = 0;     // how many may be collected, and how many are
+    Scalar reach = 0, usual = 0;              // squared distance of the neighbours of the last range, and last point
+    std::vector<Scalar> square, x, y, z, key; // of the candidates; key: squares of those within a distance
+    std::vector<Index> which, place;          // places of the candidates in the order; of those of key
     std::vector<Neighbour> near, found;
-    std::size_t told = 0; // of found
+    std::size_t told = 0; // length of found
 };
 
 } // namespace vcg::fcd

@@ -59,7 +59,7 @@ void ParallelFor(unsigned threads, std::size_t n, std::size_t grain,
                 ++finished;
                 isFinished.notify_one();
             });
-    } catch (const std::exception &) { // no thread to be had, or no memory for one
+    } catch (const std::exception &) { // no further thread: do with fewer
     }
     work();
     for (bool waits = bool(whileWaiting); waits;) {
@@ -79,7 +79,7 @@ void ParallelFor(unsigned threads, std::size_t n, std::size_t grain,
 void ParallelForAdding(unsigned threads, std::size_t n, std::size_t grain,
                        const std::function<void(std::size_t, std::size_t)> &compute,
                        const std::function<void(std::size_t, std::size_t)> &add) {
-    // All in one order (memory_order_seq_cst): who finds somebody adding may leave, since that one looks again.
+    // Sequentially consistent: a thread that finds another one adding may leave, since that one looks again.
     std::array<std::atomic<bool>, rangesAhead> ready{};
     std::atomic<std::size_t> added{0}; // items
     std::atomic<bool> isAdding{false}, failed{false};

@@ -9,37 +9,38 @@
 
 namespace vcg::fcd {
 
-/// Calls body(first, last) for consecutive ranges of at most \p grain items that cover [0, n). Which thread gets which
-/// range is left open, the ranges are not: a body that writes only what belongs to its range gives the same bits for
-/// any number of threads. \p threads 0 = one a core. A thread that cannot be started is done without. The first
-/// exception is rethrown here. \param whileWaiting if given: called some times a second once this thread has nothing
-/// left to do but to wait for others; what it throws is the loop's exception
+/// Calls body(first, last) for the ranges of \p grain items that cover [0, n). The ranges do not depend on the threads:
+/// a body that writes only what belongs to its range gives the same bits for any number of them. The first exception is
+/// rethrown here.
+/// \param threads 0 = one a core; fewer if they cannot be started
+/// \param whileWaiting if given, called some times a second while this thread waits for others; its exception counts as
+/// the loop's
 void ParallelFor(unsigned threads, std::size_t n, std::size_t grain,
                  const std::function<void(std::size_t, std::size_t)> &body,
                  const std::function<void()> &whileWaiting = {});
 
-/// How many threads \p threads stands for, where 0 = one a core.
+/// The number of threads that \p threads stands for (0 = one a core).
 unsigned ThreadsFor(unsigned threads);
 
-/// What may be computed but not yet added by ParallelForAdding, ranges: so few that their results stay in a cache.
+/// How many ranges ParallelForAdding may compute ahead of adding: so few that their results stay in a cache.
 constexpr std::size_t rangesAhead = 32;
 
-/// For what is computed in any order and added up in one: compute(first, last) as ParallelFor's body, and for each
-/// range after it add(first, last), one after the other in their order, by whichever thread has computed the next one.
-/// Their results are in RangeResults. No thread waits for a slow one but where it is as far ahead as these have room:
-/// where other programs keep the cores busy, each wait lasts a time slice.
+/// For what is computed in any order, but added up in one. Calls compute(first, last) as ParallelFor calls its body,
+/// then add(first, last) for the ranges one after the other, in order; the thread that has computed the next range
+/// adds. RangeResults keeps the results between the two. A thread waits only if it is rangesAhead ranges ahead: with
+/// the cores busy, each wait would last a time slice.
 void ParallelForAdding(unsigned threads, std::size_t n, std::size_t grain,
                        const std::function<void(std::size_t, std::size_t)> &compute,
                        const std::function<void(std::size_t, std::size_t)> &add);
 
-/// Room for what ParallelForAdding computes of each range, from then until it is added; not initialised.
+/// Holds the results of ParallelForAdding's compute until they are added; not initialised.
 template <class Result>
 class RangeResults {
   public:
     RangeResults(std::size_t n, std::size_t grain)
         : grain(grain), results(new Result[std::min((n + grain - 1) / grain, rangesAhead)]) {}
 
-    /// Of the range that the item \p i is in.
+    /// The result of the range with item \p i.
     Result &Of(std::size_t i) const { return results[i / grain % rangesAhead]; }
 
   private:

@@ -19,9 +19,8 @@
 
 namespace vcg::fcd {
 
-/// Finds the nearest of some points: a balanced k-d tree whose leaves are blocks of neighbours. Any number of threads
-/// may ask. (All points of a block ask for their nearest ones at once, by NearestOthers, in half of the time of as many
-/// questions.)
+/// Finds the nearest of some points: a balanced k-d tree with blocks of neighbouring points as leaves. Safe for any
+/// number of threads. (NearestOthers answers for all points of a block at once, in half of the time.)
 template <class Scalar>
 class PointTree {
   public:
@@ -31,7 +30,7 @@ class PointTree {
         Scalar Diagonal() const { return (Point(hi[0], hi[1], hi[2]) - Point(lo[0], lo[1], lo[2])).norm(); }
         /// Square of the distance from a point.
         Scalar SquareTo(Scalar x, Scalar y, Scalar z) const { return SquareTo(Box{{x, y, z}, {x, y, z}}); }
-        /// Square of the distance to another one, up to rounding.
+        /// Square of the distance to another box, up to rounding.
         Scalar SquareTo(const Box &o) const {
             Scalar sum = 0;
             for (int d = 0; d < 3; ++d) {
@@ -43,15 +42,15 @@ class PointTree {
     };
 
     struct Neighbour {
-        Scalar square; ///< of its distance
-        Index point;   ///< its number
-        Index at;      ///< in the order of the blocks
+        Scalar square; ///< of the distance
+        Index point;   ///< number of the point, as at construction
+        Index at;      ///< its place in the order of the blocks
         bool operator<(const Neighbour &o) const { return square != o.square ? square < o.square : point < o.point; }
     };
     static constexpr std::size_t most = 16; ///< points of a block
     static constexpr std::size_t none = std::size_t(-1);
 
-    /// \param position 3 x n, n >= 1; what is not a number counts as infinite \param threads as of ParallelFor
+    /// \param position 3 x n, n >= 1; NaN counts as infinite \param threads as of ParallelFor
     explicit PointTree(const Eigen::Ref<const Eigen::Matrix<Scalar, 3, Eigen::Dynamic>> &position, unsigned threads = 1)
         : n(std::size_t(position.cols())) {
         assert(n > 0);
@@ -65,7 +64,7 @@ class PointTree {
             }
         });
         box.resize((std::size_t(2) << levels) - 1);
-        const int shared = std::min(levels, 6); // from here on each thread goes on by itself
+        const int shared = std::min(levels, 6); // below this level, each cell is split by one thread
         std::vector<Box> cell{BoxOf(item.get(), 0, n)}, next;
         for (int level = 0; level < shared; ++level) {
             next.resize(2 * cell.size());
@@ -89,10 +88,9 @@ class PointTree {
                                                                                Eigen::Index(points.size())),
                     threads) {}
 
-    /// The \p count >= 1 points nearest to \p p, or all where there are fewer, the nearest first; of equally near ones
-    /// those of the smaller numbers.
-    /// \param begin a block that may be near, which changes no bit \param but a place in the order of the blocks: the
-    /// point there does not count
+    /// The \p count >= 1 points nearest to \p p, or all if there are fewer, the nearest first; of equally near ones,
+    /// the smaller numbers. \param begin a block that may be near, for speed \param but a place in the order of the
+    /// blocks: its point does not count
     void Nearest(const Point &p, std::size_t count, std::vector<Neighbour> &found, std::size_t begin = none,
                  std::size_t but = none) const {
         found.clear(); // a heap
@@ -126,7 +124,7 @@ class PointTree {
         ForEachNearest(p, lookElsewhere, bound());
         std::sort_heap(found.begin(), found.end());
     }
-    /// \return the number of the point nearest to \p p \param distance of it, if given
+    /// \return the number of the point nearest to \p p \param distance out; may be null
     Index Nearest(const Point &p, Scalar *distance = nullptr) const {
         std::vector<Neighbour> nearest;
         Nearest(p, 1, nearest);
@@ -134,7 +132,7 @@ class PointTree {
             *distance = std::sqrt(nearest.front().square);
         return nearest.front().point;
     }
-    /// The distance of the farthest of the \p count nearest.
+    /// The distance of the farthest of the \p count nearest points.
     Scalar DistanceOf(const Point &p, std::size_t count) const {
         std::vector<Neighbour> nearest;
         Nearest(p, count, nearest);
@@ -154,15 +152,14 @@ class PointTree {
 
     std::size_t Size() const { return n; }
     std::size_t Blocks() const { return std::size_t(1) << levels; }
-    /// The first point of a block, in the order of the blocks; that of Blocks() is Size().
+    /// The first place of a block, in the order of the blocks; Begin(Blocks()) is Size().
     std::size_t Begin(std::size_t block) const { return Begin(levels, block); }
-    /// The block of a point.
+    // Of a place in the order of the blocks: its block, the number of its point, and the point.
     std::size_t BlockOf(std::size_t at) const { return ((at + 1) * Blocks() - 1) / n; }
-    /// The number of a point, where \p at counts in the order of the blocks.
     Index Number(std::size_t at) const { return number[at]; }
     Point At(std::size_t at) const { return {x[at], y[at], z[at]}; }
 
-    /// The box of the points [first, last) in the order of the blocks, at least one.
+    /// The box of the places [first, last), at least one.
     Box BoxOf(std::size_t first, std::size_t last) const {
         Box b;
         const Scalar *const axis[3] = {x.get(), y.get(), z.get()};
@@ -174,8 +171,8 @@ class PointTree {
         return b;
     }
 
-    /// body(first, last) for the blocks that may have a point near \p of, until it returns false. \param most square of
-    /// the distance
+    /// Calls body(first, last) for the blocks that may have a point near \p of, until it returns false.
+    /// \param most squared distance
     template <class Body>
     void ForEachNear(const Box &of, Scalar most, const Body &body) const {
         struct Node {
@@ -198,8 +195,8 @@ class PointTree {
         }
     }
 
-    /// body(first, last) for blocks, the nearest ones first. \return of body: square of how far the next ones may be
-    /// \param bound of how far the first ones may be
+    /// Calls body(first, last) for blocks, the nearest first, up to a squared distance: \p bound, then what body
+    /// returns.
     template <class Body>
     void ForEachNearest(const Point &p, const Body &body,
                         Scalar bound = std::numeric_limits<Scalar>::infinity()) const {
@@ -255,7 +252,7 @@ class PointTree {
         return b;
     }
 
-    /// Halves the points of a node where its cell is longest.
+    /// Halves the points of a node along the longest side of its cell.
     void Split(Item *item, int level, std::size_t j, const Box &cell, Box &below, Box &above) const {
         int d = 0;
         for (int other = 1; other < 3; ++other)
@@ -279,7 +276,7 @@ class PointTree {
             return;
         }
         const std::size_t first = Begin(j), last = Begin(j + 1);
-        // nth_element leaves their order open.
+        // nth_element leaves the order within a block open.
         std::sort(item + first, item + last, [](const Item &a, const Item &b) { return a.number < b.number; });
         for (std::size_t i = first; i < last; ++i) {
             x[i] = item[i].p[0];
@@ -306,8 +303,8 @@ class PointTree {
     std::vector<Box> box; // of each node of the tree, level by level
 };
 
-/// Over some nodes of a graph. \param position 3 x n \param node which of them, at least one; the tree numbers them in
-/// this order
+/// A tree over some nodes of a graph. \param position 3 x n \param node at least one; the tree numbers them in this
+/// order
 inline std::unique_ptr<PointTree<float>> TreeOf(const Eigen::Matrix3Xf &position, const std::vector<Index> &node) {
     std::vector<Eigen::Vector3f> points;
     points.reserve(node.size());

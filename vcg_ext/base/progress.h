@@ -13,14 +13,14 @@
 
 namespace vcg::fcd {
 
-/// Percent that are done, and what is being done; false cancels. As vcg::CallBackPos.
+/// Gets the percentage that is done and the name of the stage; returns false to cancel. As vcg::CallBackPos.
 using ProgressCallback = bool(const int, const char *);
 
-/// What Progress calls the time in which a mesh is read.
+/// The name of the stage in which a mesh is read.
 constexpr const char *readingStage = "Reading the mesh";
 
-/// Progress and cancel as one object, and how many threads the run may use: a [lo, hi] slice (percent) of a
-/// ProgressCallback. Copies are cheap; the callback is called only from the thread that calls the operator.
+/// Reports progress, can cancel, and tells how many threads a run may use. Covers a slice [lo, hi] (percent) of a
+/// ProgressCallback. The callback is called from the thread that calls the operator only.
 class Progress {
   public:
     unsigned threads = 0; ///< threads of the parallel loops; 0 = one a core. The result does not depend on it.
@@ -37,8 +37,8 @@ class Progress {
         return slice;
     }
 
-    /// One for tasks in several threads: in this one it reports, in others it only looks whether it has been cancelled.
-    /// \param isCancelled that of all of them; where these are tasks of a task, the outer ones' is looked at
+    /// A copy for tasks in several threads. In this thread it reports; in others it only checks for cancellation.
+    /// \param isCancelled shared by all tasks; not used if this is already such a copy, whose flag then counts
     Progress Shared(std::atomic<bool> &isCancelled) const {
         Progress shared = *this;
         if (!shared.isCancelled) {
@@ -48,7 +48,7 @@ class Progress {
         return shared;
     }
 
-    /// Reports that \p fraction (0 ... 1) of this slice is done. \throw Cancelled when the callback returns false.
+    /// Reports that \p fraction (0 ... 1) of this slice is done. \throw Cancelled the callback returned false
     void operator()(double fraction, const char *stage) const {
         if (isCancelled && *isCancelled)
             throw Cancelled();
@@ -62,7 +62,7 @@ class Progress {
         }
     }
 
-    /// The same now and then in a loop, for its round \p i of \p n.
+    /// The same for round \p i of \p n of a loop, every 65536 rounds.
     void Round(std::size_t i, std::size_t n, const char *stage) const {
         if (i % (1 << 16) == 0)
             (*this)(double(i) / double(n), stage);
@@ -71,11 +71,11 @@ class Progress {
   private:
     ProgressCallback *callback = nullptr;
     double lo = 0, hi = 100;
-    std::atomic<bool> *isCancelled = nullptr; ///< of tasks in several threads
-    std::thread::id reporter;                 ///< the one of them that calls back
+    std::atomic<bool> *isCancelled = nullptr; ///< shared by tasks in several threads; null: no tasks
+    std::thread::id reporter;                 ///< the thread of the tasks that reports
 };
 
-/// ParallelFor that reports progress as it goes, from the calling thread, which takes its turn. \throw Cancelled
+/// ParallelFor that reports progress from the calling thread. \throw Cancelled
 inline void ParallelFor(const Progress &progress, const char *stage, std::size_t n, std::size_t grain,
                         const std::function<void(std::size_t, std::size_t)> &body) {
     const std::thread::id caller = std::this_thread::get_id();
@@ -86,8 +86,8 @@ inline void ParallelFor(const Progress &progress, const char *stage, std::size_t
     });
 }
 
-/// body(i, progress) for each of \p tasks that take long: all of them can be cancelled by the progress they are given,
-/// a slice each, also while this thread has nothing left to do. \throw Cancelled
+/// Calls body(i, progress) for each of \p tasks long tasks, in parallel, with a slice of the progress each. All of them
+/// can be cancelled by it, also while this thread only waits. \throw Cancelled
 inline void ParallelTasks(const Progress &progress, const char *stage, std::size_t tasks,
                           const std::function<void(std::size_t, const Progress &)> &body) {
     std::atomic<bool> isCancelled{false};

@@ -35,8 +35,8 @@ Eigen::Vector4d FitQuaternion(const Eigen::Matrix3d &unscaled, const Eigen::Vect
     const double norm2 = s.squaredNorm(), c2 = -2 * norm2, c1 = -8 * s.determinant(), c0 = k.determinant();
     const auto slope = [&](double x) { return (4 * x * x + 2 * c2) * x + c1; };
     const auto value = [&](double x) { return (x * x + c2) * x * x + c1 * x + c0; };
-    // The Rayleigh quotient lies below the root. Where the quartic is convex and rises, a step from there leads above
-    // it.
+    // The Rayleigh quotient lies below the root. If the quartic is convex and rises there, Newton's step leads above
+    // the root.
     double lambda = near.dot(k * near);
     if (lambda > 0 && 3 * lambda * lambda > norm2 && slope(lambda) > 0.1 * norm2 * lambda)
         lambda -= value(lambda) / slope(lambda);
@@ -55,7 +55,7 @@ Eigen::Vector4d FitQuaternion(const Eigen::Matrix3d &unscaled, const Eigen::Vect
             k(l, 1) * m23 - k(l, 2) * m13 + k(l, 3) * m12, k(l, 2) * m03 - k(l, 0) * m23 - k(l, 3) * m02,
             k(l, 0) * m13 - k(l, 1) * m03 + k(l, 3) * m01, k(l, 1) * m02 - k(l, 0) * m12 - k(l, 2) * m01);
     };
-    // All columns are multiples of the quaternion; that of its largest component is the longest.
+    // Each column is a multiple of the quaternion; the longest is the column of its largest component.
     int column;
     near.cwiseAbs().maxCoeff(&column);
     Eigen::Vector4d q = adjugate(column);

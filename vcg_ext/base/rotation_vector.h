@@ -22,19 +22,19 @@ inline Eigen::Matrix3d RotationBy(double angle, const Eigen::Vector3d &axis) {
     return m;
 }
 
-/// The length of \p w, also where its square is no number.
+/// The length of \p w, also if its square overflows.
 inline double Length(const Eigen::Vector3d &w) {
     const double length = w.norm();
     return std::isinf(length) ? w.stableNorm() : length;
 }
 
-/// The rotation about the axis of \p w by its length, in radians; none by a vector of no length.
+/// The rotation of the rotation vector \p w: about the direction of \p w, by its length in radians.
 inline Eigen::Matrix3d RotationBy(const Eigen::Vector3d &w) {
     const double angle = Length(w);
     return angle > 0 ? RotationBy(angle, w / angle) : Eigen::Matrix3d::Identity();
 }
 
-/// The angle of a rotation, in [0, pi] radians, and its axis, of length 1; any where the angle is 0.
+/// The angle of a rotation, in [0, pi] radians, and its axis, of length 1 (any axis if the angle is 0).
 struct Turn {
     double angle;
     Eigen::Vector3d axis;
@@ -47,7 +47,7 @@ struct Turn {
     }
 };
 
-/// The matrix that multiplies a vector as the cross product with \p w from the left does.
+/// The matrix M with M v = w x v.
 inline Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d &w) {
     Eigen::Matrix3d m;
     m << 0, -w[2], w[1], w[2], 0, -w[0], -w[1], w[0], 0;

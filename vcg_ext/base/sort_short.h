@@ -22,8 +22,8 @@ void SortShort(T *first, T *last) {
     }
 }
 
-/// Sorts so many items that all differ, from one array into another: how many are smaller than each tells its place,
-/// without a branch that cannot be foreseen.
+/// Sorts n different items from one array into another, by counting how many are smaller than each: without branches
+/// that could not be predicted.
 template <int n, class T>
 void SortDiffering(const T *from, T *to) {
     int place[n] = {};

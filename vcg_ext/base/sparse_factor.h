@@ -10,7 +10,7 @@
 
 namespace vcg::fcd::detail {
 
-/// What a factorisation does with the entries of its matrix.
+/// The arithmetic of a factorisation on the entries of its matrix: numbers or blocks.
 template <class Entry>
 struct EntryArithmetic;
 template <>
@@ -18,24 +18,24 @@ struct EntryArithmetic<double> {
     static void Clear(double &y) { y = 0; }
     static void TakeProduct(double &y, double l, double yi) { y -= l * yi; } ///< for blocks yi l^T
     static double Over(double yi, double d) { return yi / d; }
-    static bool Invert(double d) { return d != 0; } ///< makes d ready for Over \return whether that can be
+    static bool Invert(double d) { return d != 0; } ///< prepares d for Over \return false: d is singular
 };
 
-/// L D L^T of a sparse symmetric matrix; only the lower triangle is read. It has the bits of Eigen's, can be cancelled
-/// between rows, and is not begun where it would take too long. A graph on a surface takes some 10^4 steps a row; a
-/// complete graph takes as many as the square of the number of rows.
+/// L D L^T of a sparse symmetric matrix, of which only the lower triangle is read. The bits are those of Eigen's, but
+/// it can be cancelled, and Analyse tells beforehand if it would take too long. A graph on a surface takes some 10^4
+/// multiplications a row; a complete graph of n rows takes n^2 a row.
 class SparseFactor : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> {
     using Base = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>;
 
   public:
     using Matrix = Eigen::SparseMatrix<double>;
 
-    /// Multiplications that are worth it where one could do without: a second, and ten times what surfaces take.
+    /// The limit for a factorisation that one can do without: a second, and ten times what surfaces take.
     static double Worthwhile(Eigen::Index rows) { return 1e9 + 2e5 * double(rows); }
-    /// Those beyond which none is begun: minutes.
+    /// The limit for any other: minutes.
     static constexpr double most = 1e11;
 
-    /// \param limit multiplications \return whether no more are needed; only then it may be factorised
+    /// \param limit multiplications \return whether no more are needed; if false, do not factorise
     bool Analyse(const Matrix &matrix, double limit) {
         Matrix permuted;
         const Matrix *ordered = nullptr;
@@ -46,10 +46,10 @@ class SparseFactor : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> {
         analyzePattern_preordered(*ordered, true);
         return true;
     }
-    /// Multiplications that Analyse found, up to its limit.
+    /// The number of multiplications that Analyse found, up to its limit.
     double Work() const { return work; }
 
-    /// \pre Analyse of the same pattern \return whether it could be factorised \throw Cancelled
+    /// \pre Analyse of the same pattern returned true \return false: the matrix is singular \throw Cancelled
     bool Factorise(const Matrix &matrix, const Progress &progress, const char *stage) {
         Matrix a(matrix.rows(), matrix.cols());
         a.selfadjointView<Eigen::Upper>() = matrix.selfadjointView<Eigen::Lower>().twistedBy(m_P);
@@ -68,8 +68,8 @@ class SparseFactor : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> {
     }
 
   protected:
-    /// Row by row, of entries that are numbers or square blocks of them.
-    /// \param value of L below its unit diagonal, as the pattern has room for \param diagonal n, of D
+    /// Factorises row by row. An entry is a number or a square block.
+    /// \param value out: L below its unit diagonal, as many entries as the pattern has \param diagonal out: n, D
     /// \param row row(k, add) calls add(i, A_ki) for the entries of row k with i <= k
     template <class Entry, class Row>
     bool FactoriseRows(Entry *value, Entry *diagonal, const Row &row, const Progress &progress, const char *stage) {
@@ -81,10 +81,10 @@ class SparseFactor : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> {
         for (Entry &each : y)
             Arithmetic::Clear(each);
         std::vector<StorageIndex> pattern(std::size_t(n), 0), tag(std::size_t(n), -1);
-        const std::size_t often = 1 << 27; // bytes of L, about 20 ms
+        const std::size_t often = 1 << 27; // bytes of L between reports: about 20 ms
         std::size_t done = 0;
         for (StorageIndex k = 0; k < n; ++k) {
-            // Where the row is not 0: what its entries lead to in the elimination tree, in an order for computing.
+            // The pattern of row k: all that its entries reach in the elimination tree, in the order of elimination.
             StorageIndex top = n;
             tag[k] = k;
             m_nonZerosPerCol[k] = 0;
@@ -123,7 +123,7 @@ class SparseFactor : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> {
     }
 
   private:
-    /// As Eigen finds the pattern of L, without room for it.
+    /// The number of multiplications, counted as Eigen finds the pattern of L, but without storing it.
     static double WorkFor(const Matrix &a, double limit) {
         const auto n = StorageIndex(a.rows());
         std::vector<StorageIndex> parent(std::size_t(n), -1), tag(std::size_t(n), -1), count(std::size_t(n), 0);

@@ -25,11 +25,11 @@ class SymmetricEigen {
         values = (scale * root).array() + mean;
     }
 
-    /// Columns, of length 1 and at right angles, in the order of the values.
+    /// The eigenvectors as columns: orthonormal, in the order of the values.
     Eigen::Matrix3d Vectors() const {
         if (!(root[2] > root[0]))
             return Eigen::Matrix3d::Identity();
-        const int alone = root[2] - root[1] > root[1] - root[0] ? 2 : 0; // the root that is farthest from the others
+        const int alone = root[2] - root[1] > root[1] - root[0] ? 2 : 0; // the root farthest from the others
         Eigen::Matrix3d flat = even;
         flat.diagonal().array() -= root[alone];
         Eigen::Matrix3d vectors, across;
@@ -37,7 +37,7 @@ class SymmetricEigen {
         int largest;
         across.colwise().squaredNorm().maxCoeff(&largest);
         vectors.col(alone) = across.col(largest).normalized();
-        // In the plane across it, a matrix of two rows is left.
+        // In the plane perpendicular to it, a 2 x 2 matrix is left.
         const Eigen::Vector3d u = vectors.col(alone).unitOrthogonal(), w = vectors.col(alone).cross(u);
         const double half = 0.5 * (u.dot(even * u) - w.dot(even * w)), beside = u.dot(even * w);
         const double length = std::sqrt(half * half + beside * beside);
@@ -50,10 +50,10 @@ class SymmetricEigen {
         return vectors;
     }
 
-    Eigen::Vector3d values; ///< the least first
+    Eigen::Vector3d values; ///< ascending
 
   private:
-    Eigen::Matrix3d even; ///< the matrix with a trace of 0 and entries of 1 at most
+    Eigen::Matrix3d even; ///< the matrix, shifted to trace 0 and scaled to entries of 1 at most
     Eigen::Vector3d root; ///< its eigenvalues
 };
 

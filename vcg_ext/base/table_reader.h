@@ -11,15 +11,15 @@
 
 namespace vcg::fcd::detail {
 
-/// The rows of a table, as RFC 4180 has them, with comments.
+/// Reads the rows of a table of separated values (RFC 4180), with comments from '#' at the begin of a line.
 class TableReader : public TextReader {
   public:
     using TextReader::TextReader;
 
-    /// What stands between cells; the first of these in the text until it is known.
+    /// Possible separators of cells; after the first one in the text, that one alone.
     std::string separators = ",;\t";
 
-    /// The next row that is not empty, without what is empty at its end. \return false at the end of the text
+    /// Reads the next row that is not empty, without empty cells at its end. \return false at the end of the text
     bool Next() {
         do {
             cell.clear();
@@ -30,7 +30,7 @@ class TableReader : public TextReader {
                 SkipLine();
             else
                 ReadRow();
-            while (!cell.empty() && cell.back().empty()) // programs for tables make all rows equally long
+            while (!cell.empty() && cell.back().empty()) // spreadsheets make all rows equally long
                 cell.pop_back();
         } while (cell.empty());
         return true;
@@ -38,7 +38,7 @@ class TableReader : public TextReader {
 
     std::vector<std::string> cell;
 
-    /// A cell as a number. \throw BadInput when it is none, or not finite
+    /// Cell \p i as a number. \param what what messages expect \throw BadInput it is none, or not finite
     double Number(std::size_t i, const std::string &what) const {
         double value = 0;
         if (!ToNumber(cell[i].data(), cell[i].data() + cell[i].size(), value) || !std::isfinite(value))
@@ -99,7 +99,7 @@ class TableReader : public TextReader {
 
     bool IsEnd(char c) const { return c == '\n' || c == '\r' || separators.find(c) != std::string::npos; }
 
-    std::size_t next = 1; // the line that comes after the row
+    std::size_t next = 1; // number of the line after the row
 };
 
 } // namespace vcg::fcd::detail

@@ -3,10 +3,9 @@
 #define VCG_FCD_UNFUSED_ARM_H
 
 /// \file
-/// Included before all else on 64-bit ARM (CMakeLists.txt), where Eigen would give other bits than elsewhere. It fuses
-/// products and sums by itself, whatever -ffp-contract says, if it is told that the processor can; the system's header
-/// wants to know, too, and comes first. And it adds up three floats as two and one, in registers of two that it has
-/// there alone, where elsewhere it adds the first to the sum of the others.
+/// Included before all else on 64-bit ARM (CMakeLists.txt), so that Eigen gives the same bits as elsewhere. There,
+/// Eigen fuses products and sums whatever -ffp-contract says, if the compiler defines __ARM_FEATURE_FMA; arm_neon.h
+/// needs that macro, and so comes first. And it sums three floats as two and one, in packets of two that only ARM has.
 #if defined(__aarch64__) && defined(__ARM_NEON)
 #include <arm_neon.h>
 #undef __ARM_FEATURE_FMA

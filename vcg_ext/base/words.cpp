@@ -15,7 +15,7 @@ bool LooksLikeNumber(const char *first, const char *last) {
            (std::string_view("+-.0123456789").find(*first) != std::string_view::npos || ToNumber(first, last, number));
 }
 
-/// Bytes of the printable character that begins at \p i in UTF-8; 0: there is none.
+/// The number of bytes of the printable UTF-8 character at \p i; 0: there is none.
 static std::size_t PrintableBytes(const std::string &text, std::size_t i) {
     const auto byte = [&](std::size_t at) { return at < text.size() ? unsigned(std::uint8_t(text[at])) : 0; };
     const unsigned first = byte(i), second = byte(i + 1);
@@ -25,8 +25,8 @@ static std::size_t PrintableBytes(const std::string &text, std::size_t i) {
     for (std::size_t k = 1; k < count; ++k)
         if ((byte(i + k) & 0xC0) != 0x80)
             return 0;
-    const bool isLonger = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90); // than it need be
-    const bool isNone = (first == 0xED && second >= 0xA0) || (first == 0xF4 && second >= 0x90); // a surrogate, beyond
+    const bool isLonger = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90); // overlong
+    const bool isNone = (first == 0xED && second >= 0xA0) || (first == 0xF4 && second >= 0x90); // surrogate, too large
     const bool isControl = first == 0xC2 && second < 0xA0;
     return isLonger || isNone || isControl ? 0 : count;
 }

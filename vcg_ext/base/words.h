@@ -20,14 +20,13 @@
 #endif
 
 /// \file
-/// Numbers and words of texts, whatever the locale.
+/// Reads numbers and words of texts, whatever the locale.
 
 namespace vcg::fcd::detail {
 
 bool IsSpace(char c);
 
-/// Reads [first, last) as a number, whatever the locale; a '+' may stand before it. \return false when it is none, or
-/// one that Number cannot hold
+/// Reads [first, last) as a number, which may begin with '+'. \return false: it is none, or one that Number cannot hold
 template <class Number>
 bool ToNumber(const char *first, const char *last, Number &value) {
     if (last - first > 1 && first[0] == '+' && first[1] != '-')
@@ -52,19 +51,19 @@ bool ToNumber(const char *first, const char *last, Number &value) {
     }
 }
 
-/// Whether [first, last) is a number or, by how it begins, is meant as one.
+/// Whether [first, last) is a number, or begins like one.
 bool LooksLikeNumber(const char *first, const char *last);
 
-/// \p text for messages: '?' for bytes that are no UTF-8 and for control characters; at most so many \p bytes.
+/// \p text for messages, with '?' for control characters and bytes that are not UTF-8, cut to \p bytes bytes.
 std::string Printable(const std::string &text, std::size_t bytes);
 
-/// What stands in text[begin, end), for messages: in quotes, printable, and cut short.
+/// text[begin, end) for messages: in quotes, printable, and cut short.
 std::string Excerpt(const std::string &text, std::size_t begin, std::size_t end);
 
-/// A text that is read from its begin on, line by line. A line ends with LF, CR LF or CR.
+/// Reads a text line by line. A line ends with LF, CR LF or CR.
 class TextReader {
   public:
-    /// \param text must outlive the reader \param name what messages call it \throw BadInput when it is no plain text
+    /// \param text must outlive the reader \param name of the text, for messages \throw BadInput it is no plain text
     TextReader(const std::string &text, const std::string &name) : text(text), name(name) {
         if (StartsWith("\xFF\xFE") || StartsWith("\xFE\xFF"))
             Fail("expected plain text (ASCII or UTF-8), found UTF-16");
@@ -77,7 +76,7 @@ class TextReader {
             at = 3;
     }
 
-    /// To the beginning of the next line. \return false at the end of the text
+    /// Goes to the beginning of the next line. \return false at the end of the text
     bool NextLine() {
         at = text.find_first_of("\r\n", at);
         if (at == std::string::npos) {
@@ -103,10 +102,10 @@ class TextReader {
     std::size_t at = 0, line = 1;
 };
 
-/// The whitespace-separated words of a text, with comments ('#' to the end of the line) skipped, and where they stand.
+/// Reads the words of a text, separated by white space; skips comments ('#' to the end of the line).
 class WordReader : public TextReader {
   public:
-    /// \param separators what stands between words besides white space
+    /// \param separators further characters that separate words
     WordReader(const std::string &text, const std::string &name, const std::string &separators = "")
         : TextReader(text, name), separators(separators) {}
 
@@ -128,8 +127,9 @@ class WordReader : public TextReader {
         return wordBegin < at;
     }
 
-    /// The numbers of the next line that has some, with one separator between them at most. A first line that does not
-    /// begin like a number names the columns. \return false at the end of the text \throw BadInput also for other words
+    /// Reads the numbers of the next line that has some, with at most one separator between them. A first line that
+    /// does not begin like a number is skipped, as the columns' names. \return false at the end of the text \throw
+    /// BadInput a word that is no finite number, or a missing number
     bool NextRow(std::vector<double> &number) {
         for (number.clear(); number.empty(); isInRow = true) {
             if (isInRow && !NextLine())
@@ -149,16 +149,16 @@ class WordReader : public TextReader {
         }
         return true;
     }
-    /// The first word of the row, where that is a whole number from 0; else -1.
+    /// The first number of the row, if it is a whole number >= 0; else -1.
     std::int64_t IndexOfRow() const { return isIndex ? index : -1; }
 
-    /// The current word as a number, whatever the locale. \return false when it is none
+    /// Reads the current word as a number. \return false: it is none
     template <class Number>
     bool Read(Number &value) const {
         return ToNumber(text.data() + wordBegin, text.data() + at, value);
     }
 
-    /// The current word as a number. \throw BadInput naming text and line when it is none, or not finite
+    /// The current word as a number. \throw BadInput it is none, or not finite; names text and line
     template <class Number>
     Number As(const char *expected) const {
         Number value{};

@@ -49,11 +49,11 @@ class Pieces {
         });
         main.assign(std::size_t(nodes), -1);
         for (Index u = 0; u < nodes; ++u)
-            if (Index &largest = main[std::size_t(part[std::size_t(u)])];
-                pieceOf[std::size_t(u)] == u && (largest < 0 || area[std::size_t(u)] > area[std::size_t(largest)]))
+            if (Index &largest = main[std::size_t(part[u])];
+                pieceOf[u] == u && (largest < 0 || area[u] > area[largest]))
                 largest = u;
         for (Index u = 0; u < nodes; ++u) // ascending: a part is known by its first node
-            main[std::size_t(u)] = main[std::size_t(part[std::size_t(u)])];
+            main[u] = main[std::size_t(part[u])];
     }
 
     /// That of a vertex slot, -1 for none.
@@ -154,7 +154,7 @@ void MeasurePieces(const TwoShapes &shape, const std::vector<char> &crosses, Sur
             double square = crossing.tree
                                 ->Among(p,
                                         [&](Index t) {
-                                            const auto &its = crossing.piece[std::size_t(t)];
+                                            const auto &its = crossing.piece[t];
                                             return its[0] != own && its[1] != own && its[2] != own;
                                         })
                                 .square;

@@ -20,7 +20,7 @@ Eigen::Vector3d DeformationField::operator()(const Eigen::Vector3d &p, Eigen::Ma
     Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
     for (int k = 0; k < place.count; ++k) {
         const Index i = place.slot[k];
-        const Eigen::Matrix3d own = samples.gradient[std::size_t(i)].cast<double>();
+        const Eigen::Matrix3d own = samples.gradient[i].cast<double>();
         const Eigen::Vector3d toPlace = q - samples.position.col(i);
         way += place.weight[k] * (samples.displacement.col(i) + 0.5 * (own * toPlace));
         gradient += place.weight[k] * own;

@@ -103,7 +103,7 @@ std::string DeformationText(const FieldSamples &samples) {
             put(samples.displacement(d, i));
         for (int r = 0; r < 3; ++r)
             for (int c = 0; c < 3; ++c)
-                put(samples.gradient[std::size_t(i)](r, c));
+                put(samples.gradient[i](r, c));
     }
     for (const auto &corners : samples.triangle) {
         put(std::uint8_t(3));

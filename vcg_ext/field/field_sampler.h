@@ -38,7 +38,7 @@ class FieldSampler {
         counts.assign(slotCount, this->face.empty());
         for (const auto &corners : this->face)
             for (Index i : corners)
-                counts[std::size_t(i)] = 1;
+                counts[i] = 1;
         const Index nodes = surface.graph.Size();
         slotOf.assign(std::size_t(nodes), -1);
         pieceOf.assign(std::size_t(nodes), 0);
@@ -49,12 +49,12 @@ class FieldSampler {
                 counts[i] = 0;
                 continue;
             }
-            if (slotOf[std::size_t(node)] < 0)
-                slotOf[std::size_t(node)] = Index(i);
-            if (Index &piece = pieceOf[std::size_t(node)]; !regionOf.empty() && (regionOf[i] >= 0 || piece == 0))
+            if (slotOf[node] < 0)
+                slotOf[node] = Index(i);
+            if (Index &piece = pieceOf[node]; !regionOf.empty() && (regionOf[i] >= 0 || piece == 0))
                 piece = regionOf[i] < 0 ? regionOf[i] : 1 + regionOf[i];
             if (!Rests(i))
-                rests[std::size_t(node)] = 0;
+                rests[node] = 0;
         }
         const Index regions = std::max(Index(0), *std::max_element(pieceOf.begin(), pieceOf.end()));
         NumberOthers(rests, 1 + regions);
@@ -68,20 +68,20 @@ class FieldSampler {
     FieldSamples Sample(const Progress &progress) {
         std::vector<Index> seed;
         for (Index u = 0; u < Index(isSeed.size()); ++u)
-            if (isSeed[std::size_t(u)])
+            if (isSeed[u])
                 seed.push_back(u);
         // The same steps however many there are elsewhere.
         patches = GrowPatches(surface.graph, {}, seed, progress.Slice(0, 0.5), 1 / std::sqrt(float(param.moving)));
         for (Index u : patches.center) // those of parts without a seed, too
-            isSeed[std::size_t(u)] = 1;
+            isSeed[u] = 1;
 
         FieldSamples samples;
         std::vector<Index> sampleOf(std::size_t(patches.Size()), -1), used;
         const auto use = [&](Index patch) {
-            Index &sample = sampleOf[std::size_t(patch)];
+            Index &sample = sampleOf[patch];
             if (sample < 0) {
                 sample = Index(used.size());
-                used.push_back(slotOf[std::size_t(patches.center[std::size_t(patch)])]);
+                used.push_back(slotOf[std::size_t(patches.center[patch])]);
             }
             return sample;
         };
@@ -98,7 +98,7 @@ class FieldSampler {
             const Eigen::Index k = Eigen::Index(samples.gradient.size());
             samples.position.col(k) = rest.col(i);
             samples.displacement.col(k) = deformed.col(i) - rest.col(i);
-            samples.gradient.emplace_back(linear[std::size_t(i)] - Eigen::Matrix3f::Identity());
+            samples.gradient.emplace_back(linear[i] - Eigen::Matrix3f::Identity());
         }
         return samples;
     }
@@ -123,7 +123,7 @@ class FieldSampler {
             if (!counts[i] || pieces[PieceOf(surface.nodeOf[i])].isDone)
                 continue;
             const Index node = surface.nodeOf[i];
-            const std::size_t piece = PieceOf(node), patch = std::size_t(patches.patchOf[std::size_t(node)]);
+            const std::size_t piece = PieceOf(node), patch = std::size_t(patches.patchOf[node]);
             if (Rests(i)) {
                 if (error[i] > 0)
                     added.push_back(node);
@@ -132,7 +132,7 @@ class FieldSampler {
             if (!(error[i] > pieces[piece].accuracy))
                 continue;
             ++found[piece].off;
-            if (isSeed[std::size_t(node)])
+            if (isSeed[node])
                 continue;
             found[piece].all.push_back(Index(i));
             const Index center = patches.center[patch];
@@ -141,12 +141,12 @@ class FieldSampler {
                 octants * patch + std::size_t(way[0] > 0) + (way[1] > 0 ? 2 : 0) + (way[2] > 0 ? 4 : 0);
             Index &worst = PieceOf(center) == piece ? farthest[octant]
                                                     : across.emplace(std::make_pair(piece, octant), -1).first->second;
-            if (worst < 0 || error[i] > error[std::size_t(worst)])
+            if (worst < 0 || error[i] > error[worst])
                 worst = Index(i);
         }
         const auto take = [&](Index i) {
             if (i >= 0)
-                found[PieceOf(surface.nodeOf[std::size_t(i)])].worst.push_back(i);
+                found[PieceOf(surface.nodeOf[i])].worst.push_back(i);
         };
         std::for_each(farthest.begin(), farthest.end(), take);
         for (const auto &each : across)
@@ -160,16 +160,16 @@ class FieldSampler {
                 room > param.most / 50 ? std::size_t(room) / 2 : 0; // what is off most first, bit by bit
             if (worst.size() > wanted) {
                 std::sort(worst.begin(), worst.end(), [this](Index a, Index b) {
-                    return std::make_pair(-error[std::size_t(a)], a) < std::make_pair(-error[std::size_t(b)], b);
+                    return std::make_pair(-error[a], a) < std::make_pair(-error[b], b);
                 });
                 worst.resize(wanted);
             }
             for (Index i : worst)
-                added.push_back(surface.nodeOf[std::size_t(i)]);
+                added.push_back(surface.nodeOf[i]);
         }
         for (Index node : added) {
-            found[PieceOf(node)].any |= !isSeed[std::size_t(node)];
-            isSeed[std::size_t(node)] = 1;
+            found[PieceOf(node)].any |= !isSeed[node];
+            isSeed[node] = 1;
         }
         FindNear(added);
         bool isDone = true, isCompared = true;
@@ -201,25 +201,24 @@ class FieldSampler {
         bool isDone = false;
     };
 
-    std::size_t PieceOf(Index node) const { return std::size_t(pieceOf[std::size_t(node)]); }
+    std::size_t PieceOf(Index node) const { return std::size_t(pieceOf[node]); }
 
     /// Numbers the pieces of what moves and is in no region, from \p next on. What is held by another handle is another
     /// one, so that each is what it is where the other does not move.
     void NumberOthers(const std::vector<char> &rests, Index next) {
-        const auto isOther = [&](Index u) { return pieceOf[std::size_t(u)] < 0 && !rests[std::size_t(u)]; };
+        const auto isOther = [&](Index u) { return pieceOf[u] < 0 && !rests[u]; };
         DisjointSets joined(surface.graph.Size());
         for (Index u = 0; u < surface.graph.Size(); ++u)
             if (isOther(u))
                 for (Index v : surface.graph.adjacency[u])
-                    if (v < u && isOther(v) && pieceOf[std::size_t(v)] == pieceOf[std::size_t(u)])
+                    if (v < u && isOther(v) && pieceOf[v] == pieceOf[u])
                         joined.Join(u, v);
         const std::vector<Index> root = joined.TakeRoots(); // the first of its nodes
         for (Index u = 0; u < Index(root.size()); ++u)
             if (isOther(u))
-                pieceOf[std::size_t(u)] =
-                    root[std::size_t(u)] == u ? next++ : pieceOf[std::size_t(root[std::size_t(u)])];
+                pieceOf[u] = root[u] == u ? next++ : pieceOf[std::size_t(root[u])];
             else
-                pieceOf[std::size_t(u)] = std::max(pieceOf[std::size_t(u)], Index(0));
+                pieceOf[u] = std::max(pieceOf[u], Index(0));
     }
 
     void FindAccuracy() {
@@ -252,28 +251,27 @@ class FieldSampler {
         isSeed.assign(rests.size(), 0);
         std::vector<std::vector<Index>> moving(pieces.size()); // nodes
         for (Index u = 0; u < Index(rests.size()); ++u) {
-            if (!rests[std::size_t(u)])
+            if (!rests[u])
                 moving[PieceOf(u)].push_back(u);
             for (Index v : surface.graph.adjacency[u])
-                isSeed[std::size_t(u)] |=
-                    char((rests[std::size_t(u)] && !rests[std::size_t(v)]) || PieceOf(u) != PieceOf(v));
+                isSeed[u] |= char((rests[u] && !rests[v]) || PieceOf(u) != PieceOf(v));
         }
         std::vector<float> area;
         for (std::size_t p = 0; p < moving.size(); ++p) {
             const std::vector<Index> &nodes = moving[p];
             area.clear();
             for (Index u : nodes)
-                area.push_back(surface.nodeArea[std::size_t(u)]);
+                area.push_back(surface.nodeArea[u]);
             // What is held mostly moves by one map: as many as of its share of the surface.
             const double own = std::accumulate(area.begin(), area.end(), 0.0);
             const Index most =
                 p > regions && surface.area > 0 ? Index(param.moving * (own / surface.area)) + 1 : param.moving;
             for (Index k : RandomSample(area, std::min(param.moving, most), 1))
-                isSeed[std::size_t(nodes[std::size_t(k)])] = 1;
+                isSeed[std::size_t(nodes[k])] = 1;
         }
         // Of those of all the surface, so that they are where they are whatever else moves.
         for (Index u : RandomSample(surface.nodeArea, param.resting, 1))
-            isSeed[std::size_t(u)] |= rests[std::size_t(u)];
+            isSeed[u] |= rests[u];
     }
 
     /// Compares at the vertices, and counts.

@@ -20,8 +20,7 @@ std::vector<std::array<Index, 3>> detail::DualOf(const Patches &patches, const S
         for (std::size_t f = first; f < last; ++f) {
             Corners corners;
             for (int k = 0; k < 3; ++k)
-                corners[std::size_t(k)] =
-                    patches.patchOf[std::size_t(surface.nodeOf[std::size_t(face[f][std::size_t(k)])])];
+                corners[k] = patches.patchOf[std::size_t(surface.nodeOf[std::size_t(face[f][k])])];
             std::sort(corners.begin(), corners.end());
             if (corners[0] == corners[1]) // an edge is (a, b, b)
                 corners[1] = corners[2];
@@ -43,7 +42,7 @@ std::vector<std::array<Index, 3>> detail::DualOf(const Patches &patches, const S
                 edges.push_back({c[k == 2], c[k == 0 ? 1 : 2]});
         if (c[0] != c[1])
             for (Index patch : c)
-                covered[std::size_t(patch)] = 1;
+                covered[patch] = 1;
     }
     std::sort(edges.begin(), edges.end());
     const auto isPart = [&](const Corners &c) {
@@ -61,10 +60,10 @@ void detail::FieldSampler::Compare(const DeformationField &field, SampledField &
     std::vector<NearestPlace::Hint> nearPatch(std::size_t(patches.Size()));
     for (std::size_t t = 0; t < dual.size(); ++t)
         for (Index patch : dual[t])
-            nearPatch[std::size_t(patch)].triangle = Index(t);
+            nearPatch[patch].triangle = Index(t);
     if (face.empty())
         for (Index patch = 0; patch < patches.Size(); ++patch)
-            field(field.samples.position.col(patch), nullptr, &nearPatch[std::size_t(patch)]);
+            field(field.samples.position.col(patch), nullptr, &nearPatch[patch]);
     const auto isAsked = [&](std::size_t i) {
         const Piece &piece = pieces[PieceOf(surface.nodeOf[i])];
         return !piece.isDone && (!piece.isNearby || isNear[i]);
@@ -101,20 +100,20 @@ void detail::FieldSampler::Compare(const DeformationField &field, SampledField &
 void detail::FieldSampler::FindNear(const std::vector<Index> &added) {
     std::vector<char> changes(std::size_t(patches.Size()), 0), isBeside(changes);
     for (Index node : added) {
-        const auto patch = std::size_t(patches.patchOf[std::size_t(node)]);
+        const auto patch = std::size_t(patches.patchOf[node]);
         changes[patch] = isBeside[patch] = 1;
     }
     for (const auto &corners : dual)
         if (changes[std::size_t(corners[0])] || changes[std::size_t(corners[1])] || changes[std::size_t(corners[2])])
             for (Index patch : corners)
-                isBeside[std::size_t(patch)] = 1;
+                isBeside[patch] = 1;
     // Of a cloud, a point goes with the nearest samples: those of the patches around it, and around these.
     for (int ring = 0; face.empty() && ring < 2; ++ring) {
         const std::vector<char> inner = isBeside;
         for (Index u = 0; u < surface.graph.Size(); ++u)
-            if (inner[std::size_t(patches.patchOf[std::size_t(u)])])
+            if (inner[std::size_t(patches.patchOf[u])])
                 for (Index v : surface.graph.adjacency[u])
-                    isBeside[std::size_t(patches.patchOf[std::size_t(v)])] = 1;
+                    isBeside[std::size_t(patches.patchOf[v])] = 1;
     }
     isNear.resize(counts.size());
     for (std::size_t i = 0; i < counts.size(); ++i)

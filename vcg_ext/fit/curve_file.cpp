@@ -10,8 +10,8 @@ namespace vcg::fcd {
 
 namespace {
 
-// Each vertex of a curve looks at a box for every 64 corners of it in each step of a fit. A hand gives hundreds, what
-// is traced along the edges of a scan has thousands.
+// In each step of a fit, each vertex of a curve looks at a box for every 64 corners. A curve drawn by hand has hundreds
+// of corners, one traced along the edges of a scan has thousands.
 constexpr std::size_t mostCorners = 100000;
 constexpr std::size_t mostBytes = 200 * mostCorners; // three numbers of 24 characters, a name, and comments
 

@@ -12,14 +12,15 @@ namespace vcg::fcd {
 
 namespace {
 
-constexpr double stiffness = 1e-2;            // as a fit begins: what contradicts the others is hardly followed
-constexpr int firstSteps = 12, nextSteps = 4; // until it is at rest; each time that one is left out
-constexpr std::size_t fewest = 5;             // of fewer, each lies at an end, and may be where the surface has bent to
-constexpr std::size_t looks = 64;             // of many, so many of the worst are looked at, and as many of all
-// So many times the strain of nine tenths of the rest. Of those that belong together, the worst of tubes, plates and
-// balls that were bent, twisted, rolled and sheared, and of one ball to another, has up to 3 times.
+constexpr double stiffness = 1e-2;            // as at the begin of a fit: contradicting landmarks are hardly followed
+constexpr int firstSteps = 12, nextSteps = 4; // until it is at rest: at first, and after one is left out
+constexpr std::size_t fewest = 5;             // of fewer, each may lie at an end that has really moved there
+constexpr std::size_t looks = 64;             // of many landmarks, the worst and others that are measured: so many each
+// A contradiction has at least this times the strain that nine tenths of the followed landmarks stay below. Of right
+// landmarks, on tubes, plates and balls that were bent, twisted, rolled and sheared, the worst had 3 times.
 constexpr double mostStrain = 4;
 
+/// The surface that follows some of the landmarks.
 class Judge {
   public:
     Judge(const RegionDeformer &deformer, const std::vector<char> &isFree, const FitSamples &marks,
@@ -28,7 +29,7 @@ class Judge {
           weight(10 / double(place.size())), pose(std::move(pose)), system(deformer, isFree, marks, smoothness),
           stiff(isFree.size(), stiffness), pull(place.size()) {}
 
-    std::vector<char> isIn; // whether the surface follows it
+    std::vector<char> isIn; // of each landmark: whether the surface follows it
 
     double Off(std::size_t l) const { return (marks.At(l, pose) - place[l]).norm(); }
 
@@ -45,17 +46,17 @@ class Judge {
         }
     }
 
-    /// The strain that a landmark brings, as a length.
+    /// The strain that goes if the surface does not follow this landmark, as a length, frame units.
     double Strain(std::size_t l) {
         const Eigen::Matrix3d one = Eigen::Matrix3d::Identity(), answer = system.Compliance(l);
         const Eigen::Vector3d here = marks.At(l, pose) - place[l];
         const Eigen::Vector3d alone = isIn[l] ? Eigen::Vector3d((one - weight * answer).lu().solve(here)) : here;
-        const double off = alone.norm(); // from where the others take its vertex
+        const double off = alone.norm(); // distance of its target from where the others take its vertex
         if (off <= std::max(tolerance, noHand))
             return 0;
         const Eigen::Vector3d beyond = (1 - tolerance / off) * alone;
         const Eigen::Matrix3d free =
-            isIn[l] ? Eigen::Matrix3d((one - weight * answer).lu().solve(answer)) : answer; // without it
+            isIn[l] ? Eigen::Matrix3d((one - weight * answer).lu().solve(answer)) : answer; // compliance without it
         const double energy = beyond.dot((free + one / weight).lu().solve(beyond));
         return std::sqrt(std::max(energy, 0.0) * deformer.surface.area / stiffness);
     }
@@ -84,8 +85,8 @@ std::vector<Contradiction> Contradictions(const RegionDeformer &deformer, const 
     for (std::size_t l = 0; l < n; ++l)
         rest[l] = deformer.surface.graph.position.col(marks.surfaceNode[l]).cast<double>();
     const PointTree<double> tree(rest);
-    const double finest = std::sqrt(deformer.surface.area / double(isFree.size())); // what nodes tell apart
-    std::vector<double> near(n);                                                    // from each to the next one
+    const double finest = std::sqrt(deformer.surface.area / double(isFree.size())); // mean distance of nodes
+    std::vector<double> near(n); // from each landmark to the next one
     for (std::size_t l = 0; l < n; ++l)
         near[l] = std::max(finest, tree.DistanceOf(rest[l], 2));
 
@@ -93,7 +94,7 @@ std::vector<Contradiction> Contradictions(const RegionDeformer &deformer, const 
     judge.Follow(firstSteps, progress.threads);
     std::vector<std::size_t> out, order;
     std::vector<double> strain(n);
-    double usual = 0; // nine tenths of those that are followed strain it less
+    double usual = 0; // 90th percentile of the strain of landmarks that are followed
     const auto measure = [&] {
         order.clear();
         for (std::size_t l = 0; l < n; ++l)

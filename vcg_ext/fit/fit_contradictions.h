@@ -12,27 +12,29 @@ namespace vcg::fcd {
 
 /// A landmark that the others contradict.
 struct Contradiction {
-    std::size_t landmark; ///< its number
-    double strain;        ///< that it brings between itself and its neighbour; see tornStrain
+    std::size_t landmark; ///< its number, from 0
+    double strain;        ///< of the surface between it and the next landmark; see tornStrain
 };
 
-/// Landmarks that the others contradict, found by leaving one out: the surface follows them as rigidly as possible, and
-/// the strain that goes when it need not follow one of them, between it and its neighbour, is the measure. The worst is
-/// left out, then the next is looked for, so that two that are swapped do not bear witness for each other; those that
-/// strain the surface no more than the rest does are taken back.
-/// \param marks the places of the landmarks on the surface \param place where each belongs, frame units
-/// \param least strain that counts: see tornStrain \param tolerance so far off counts as there, frame units
-/// \param pose from which the surface follows them
-/// \return ascending; none of fewer than five, and a third of them at most: else nothing tells which
+/// Finds the landmarks that the others contradict. The surface follows all landmarks, as rigidly as possible. Measured
+/// is the strain, between a landmark and the next one, that goes if the landmark is left out. The worst is left out,
+/// then the next worst is looked for, so that two swapped ones do not support each other. In the end, those that strain
+/// the surface hardly more than the rest does are not reported.
+/// \param isFree flags of the graph's nodes \param marks the landmarks on the surface
+/// \param place their targets, frame units \param least strain that counts: see tornStrain
+/// \param tolerance distance from its target within which a landmark is met, frame units \param pose to begin with
+/// \return ascending; none if there are fewer than five landmarks, or if more than a third would be contradicted: then
+/// it is open which are wrong
+/// \throw Unsolvable the fit's system cannot be factorised \throw Cancelled
 std::vector<Contradiction> Contradictions(const RegionDeformer &deformer, const std::vector<char> &isFree,
                                           const FitSamples &marks, const std::vector<Eigen::Vector3d> &place,
                                           double least, double tolerance, double smoothness, GraphPose pose,
                                           const Progress &progress);
 
-/// The strain of a surface that is as long again, or gone, between a landmark and its neighbour: Eq. 2 counts each edge
-/// from both ends.
+/// The strain of a surface that is stretched to twice its length, or pressed to nothing, between a landmark and the
+/// next one. (The root of 2, since Eq. 2 counts each edge from both ends.)
 constexpr double tornStrain = 1.4142135623730951;
-/// Of the diagonal: no hand misses a place by so much; it took another one.
+/// Of the diagonal: a hand that places landmarks misses by less.
 constexpr double noHand = 0.01;
 
 } // namespace vcg::fcd

@@ -11,17 +11,17 @@ namespace vcg::fcd {
 
 namespace {
 
-// All curves together count as much as all landmarks together do: ten times as much as all matches.
+// Weight of all curves together: as that of all landmarks together, ten times that of all matches.
 constexpr double curvesCount = 10;
 
-// Of the frame, whose size is that of the surface: shorter, a line is less than a float tells places apart by.
+// Frame units: a shorter line is a point, for floats.
 constexpr double noLength = 1e-6;
 
 struct Foot {
-    Eigen::Vector3d place, along; // the direction of the curve, of length 1; 0 beyond an end
+    Eigen::Vector3d place, along; // the nearest point, and the curve's direction there: length 1, or 0 beyond an end
 };
 
-// A step looks at one box for so many segments: of n segments at some n / 64, and at the 64 of one or two boxes.
+// Segments a box: of n segments, a point looks at n / 64 boxes, and at the segments of one or two of these.
 constexpr std::size_t boxed = 64;
 
 std::vector<Eigen::AlignedBox3d> BoxesOf(const std::vector<Eigen::Vector3d> &line) {
@@ -31,7 +31,7 @@ std::vector<Eigen::AlignedBox3d> BoxesOf(const std::vector<Eigen::Vector3d> &lin
     return boxes;
 }
 
-/// Looks at some segments of a polyline for a place that is nearer to a point. \param least square of the distance
+/// Sets \p best if some segments of a polyline have a point nearer to \p x. \param least in, out: squared distance
 void LookAt(const std::vector<Eigen::Vector3d> &line, std::size_t begin, std::size_t end, const Eigen::Vector3d &x,
             double &least, Foot &best) {
     const bool isClosed = line.front() == line.back();
@@ -48,7 +48,7 @@ void LookAt(const std::vector<Eigen::Vector3d> &line, std::size_t begin, std::si
     }
 }
 
-/// The place of a polyline that is nearest to a point.
+/// The point of a polyline nearest to \p x.
 Foot NearestOn(const std::vector<Eigen::Vector3d> &line, const std::vector<Eigen::AlignedBox3d> &boxes,
                const Eigen::Vector3d &x) {
     Foot best{line[0], Eigen::Vector3d::Zero()};
@@ -95,7 +95,7 @@ FitCurves::FitCurves(const std::vector<Curve> &curves, const std::vector<Index> 
         for (std::size_t v = 0; v < curves[c].vertex.size(); ++v) {
             const std::size_t vertex = curves[c].vertex[v];
             const Index node = vertex < nodeOf.size() ? nodeOf[vertex] : -1;
-            if (node < 0 || deformer.held.tag[std::size_t(node)] != 1)
+            if (node < 0 || deformer.held.tag[node] != 1)
                 throw BadInput(name + " has vertex " + std::to_string(vertex) + ", which is none or is not free.");
             if (!taken.insert(node).second)
                 continue;

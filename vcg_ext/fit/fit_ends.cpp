@@ -12,21 +12,22 @@ namespace vcg::fcd {
 namespace {
 
 constexpr double unreached = std::numeric_limits<double>::infinity();
-// Each place is joined to so many that are nearest: more would join fingers that lie side by side. What lies on the
-// other side of something thin is none of them: its normal is turned by more than that (a cosine).
+// Each point has so many of the nearest ones as neighbours: more would join fingers that lie side by side. Points on
+// the other side of something thin are none: the cosine between their normals is below `turned`.
 constexpr std::size_t joinedTo = 8;
 constexpr double turned = -0.5;
-// From so many places, all over the surface, the others are told how remote they are.
+// Remoteness is measured from so many points, all over the surface.
 constexpr std::size_t sources = 32;
-// Nothing within this, of the diagonal, is remoter than an end: three spacings of 6000 places, so that the tips of two
-// fingers that touch are two. And an end is so many times as remote as the mean; on a ball, all are within two percent.
+// Within `around` (of the diagonal), an end is the remotest point: three spacings of 6000 points, so that the tips of
+// two fingers that touch are two ends. And it is standsOut times as remote as the mean; on a ball, all points are
+// within 2 %.
 constexpr double around = 0.03, standsOut = 1.05;
-// Ends that are farther apart, of the diagonal, do not belong together: more than half of an arm.
+// Ends farther apart than this (of the diagonal) do not belong together: more than half of an arm.
 constexpr double apartAtMost = 0.35;
-// Limbs turn by far more than they stretch, so a difference of remoteness counts twice.
+// Weight of a difference of remoteness over a distance: limbs turn by far more than they stretch.
 constexpr double unlike = 2;
 
-/// Places joined to those beside them. \param normal of each
+/// The graph of points and their neighbours. \param normal of each point
 Graph Joined(const std::vector<Eigen::Vector3d> &place, const std::vector<Eigen::Vector3d> &normal) {
     const PointTree<double> tree(place);
     std::vector<std::vector<Index>> list(place.size());
@@ -35,7 +36,7 @@ Graph Joined(const std::vector<Eigen::Vector3d> &place, const std::vector<Eigen:
     graph.position.resize(3, Eigen::Index(place.size()));
     for (std::size_t i = 0; i < place.size(); ++i) {
         graph.position.col(Eigen::Index(i)) = place[i].cast<float>();
-        tree.Nearest(place[i], 1 + 2 * joinedTo, nearest); // itself, and as many on the other side
+        tree.Nearest(place[i], 1 + 2 * joinedTo, nearest); // itself, and as many that may lie on the other side
         std::size_t its = 0;
         for (const auto &other : nearest)
             if (const std::size_t j = std::size_t(other.point);
@@ -53,7 +54,7 @@ Graph Joined(const std::vector<Eigen::Vector3d> &place, const std::vector<Eigen:
     return graph;
 }
 
-/// How far all places are from one, along the surface; infinite in other parts of it.
+/// The distance of each point from one of them, along the surface; infinite in other parts.
 std::vector<double> FarFrom(Index place, const Graph &graph) {
     std::vector<double> far, of(std::size_t(graph.Size()), unreached);
     const std::vector<Index> found = NodesWithin(graph, {place}, unreached, &far);
@@ -62,17 +63,16 @@ std::vector<double> FarFrom(Index place, const Graph &graph) {
     return of;
 }
 
-/// The number of the largest that is finite.
+/// The index of the largest finite value.
 Index Largest(const std::vector<double> &values) {
     Index largest = 0;
     for (std::size_t i = 0; i < values.size(); ++i)
-        if (!std::isinf(values[i]) &&
-            (std::isinf(values[std::size_t(largest)]) || values[i] > values[std::size_t(largest)]))
+        if (!std::isinf(values[i]) && (std::isinf(values[largest]) || values[i] > values[largest]))
             largest = Index(i);
     return largest;
 }
 
-/// Of each row another column, so that the sum of the costs is least (Kuhn 1955, with Munkres' potentials).
+/// Assigns a column to each row, no column twice, with the least sum of costs (Kuhn 1955, with Munkres' potentials).
 /// \param cost no more rows than columns
 std::vector<std::size_t> Assigned(const Eigen::MatrixXd &cost) {
     const std::size_t n = std::size_t(cost.rows()), m = std::size_t(cost.cols()), none = n;
@@ -81,7 +81,7 @@ std::vector<std::size_t> Assigned(const Eigen::MatrixXd &cost) {
     for (std::size_t row = 0; row < n; ++row) {
         std::vector<double> least(m, unreached);
         std::vector<char> used(m + 1, 0);
-        std::size_t at = m; // a column of no cost that the row begins in
+        std::size_t at = m; // an extra column without costs, to begin in
         rowOf[m] = row;
         while (rowOf[at] != none) {
             used[at] = 1;
@@ -123,10 +123,10 @@ std::vector<std::size_t> Assigned(const Eigen::MatrixXd &cost) {
 
 std::vector<LimbEnd> EndsOfLimbs(const std::vector<Eigen::Vector3d> &place,
                                  const std::vector<Eigen::Vector3d> &normal) {
-    if (place.empty()) // nothing of the surface has an area, as of one point
+    if (place.empty()) // a surface without an area
         return {};
     const Graph graph = Joined(place, normal);
-    // Farthest points (Gonzalez 1985), from an end of the part that the middle place is in: they are spread evenly.
+    // Evenly spread sources: farthest points (Gonzalez 1985), from an end of the part with the middle point on.
     std::vector<double> mean(place.size(), 0), least(place.size(), unreached);
     Index source = Largest(FarFrom(Index(place.size() / 2), graph));
     for (std::size_t k = 0; k < sources; ++k) {
@@ -149,9 +149,8 @@ std::vector<LimbEnd> EndsOfLimbs(const std::vector<Eigen::Vector3d> &place,
         if (std::isinf(mean[i]) || mean[i] * double(count) < standsOut * all)
             continue;
         const std::vector<Index> beside = NodesWithin(graph, {Index(i)}, around);
-        if (std::all_of(beside.begin(), beside.end(), [&](Index j) {
-                return std::make_pair(mean[std::size_t(j)], j) <= std::make_pair(mean[i], Index(i));
-            }))
+        if (std::all_of(beside.begin(), beside.end(),
+                        [&](Index j) { return std::make_pair(mean[j], j) <= std::make_pair(mean[i], Index(i)); }))
             ends.push_back({i, place[i], mean[i]});
     }
     return ends;
@@ -159,7 +158,7 @@ std::vector<LimbEnd> EndsOfLimbs(const std::vector<Eigen::Vector3d> &place,
 
 std::vector<std::pair<std::size_t, std::size_t>> MatchEnds(const std::vector<LimbEnd> &a,
                                                            const std::vector<LimbEnd> &b) {
-    // A column of its own for each: to have none
+    // An extra column for each row: no counterpart.
     Eigen::MatrixXd cost =
         Eigen::MatrixXd::Constant(Eigen::Index(a.size()), Eigen::Index(b.size() + a.size()), apartAtMost * apartAtMost);
     for (std::size_t i = 0; i < a.size(); ++i)

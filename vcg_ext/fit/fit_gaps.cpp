@@ -10,18 +10,18 @@ namespace vcg::fcd {
 
 namespace {
 
-// What has no counterpart is carried along if it is wider than this many nodes; what is narrower, as a hole is, bends
-// as what is on both sides of it does. One more node of what has a counterpart is as stiff, so that it leads by all of
-// its patch. Chosen on the half armadillos and the heads with holes (tests/fit_recipes.py): of gaps of 0, 1 and 2, 0
+// Surface without a counterpart is a gap if it is wider than `widest` nodes on each side; narrower, it is a hole, and
+// bends as its sides do. `margin` nodes with a counterpart, beside the gap, are as stiff, so that they lead by all of
+// their patches. Chosen on the half armadillos and the heads with holes (tests/fit_recipes.py): of widest 0, 1 and 2, 0
 // spoils the holes, and 1 and 2 are the same.
 constexpr int widest = 2, margin = 1;
 
-/// The greatest, or with less = true the least, that each node and those beside it have.
+/// The largest, or with less = true the smallest, value of each node and its neighbours.
 std::vector<double> Beside(const Csr &adjacency, const std::vector<double> &value, bool less) {
     std::vector<double> result = value;
     for (std::size_t j = 0; j < value.size(); ++j)
         for (Index i : adjacency[Index(j)])
-            result[j] = less ? std::min(result[j], value[std::size_t(i)]) : std::max(result[j], value[std::size_t(i)]);
+            result[j] = less ? std::min(result[j], value[i]) : std::max(result[j], value[i]);
     return result;
 }
 
@@ -40,7 +40,7 @@ FitGaps::FitGaps(const RegionDeformer &deformer, const FitMatches &matches, cons
     for (int i = 0; i < 2 * widest + margin; ++i)
         share = Beside(graph.adjacency, share, i >= widest);
     gap = share;
-    for (double &each : gap) // from none to a half
+    for (double &each : gap) // 1 up to half of the samples matched, falling to 0 at all
         each = std::clamp(2 * (1 - each), 0.0, 1.0);
     for (std::size_t s = 0; s < samples.Size(); ++s)
         if (matches.Counts(s) &&

@@ -10,23 +10,22 @@
 
 namespace vcg::fcd {
 
-/// What of a surface has no counterpart, where that is wider than a hole, and the matches of what lies around it.
+/// The gaps of a fit: surface without a counterpart that is wider than a hole. Found from the present matches.
 class FitGaps {
   public:
-    /// From the matches as they are.
     FitGaps(const RegionDeformer &deformer, const FitMatches &matches, const FitSamples &samples);
 
-    /// Whether there is any, with something around it.
+    /// Whether there are gaps with matched samples around them.
     bool Any() const { return !around.empty(); }
-    /// Of each node of the graph: \p stiff in the gaps, where it is not stiffer; \p soft elsewhere, > 0;
-    /// geometrically between at their rims.
+    /// The stiffness of each node of the graph: at least \p stiff in gaps, \p soft (> 0) elsewhere, and geometrically
+    /// between at the rims.
     std::vector<double> Stiffness(std::vector<double> soft, double stiff) const;
-    /// Root mean square distance from the target of the samples around the gaps that had a match, frame units.
+    /// Rms distance from the target of the samples around the gaps that were matched at construction, frame units.
     double Misfit(const FitMatches &matches) const;
 
   private:
-    std::vector<double> gap;         ///< of each node of the graph, [0, 1]
-    std::vector<std::size_t> around; ///< samples that nodes of gaps lead, and that count
+    std::vector<double> gap;         ///< of each node of the graph, [0, 1]; 1: in a gap
+    std::vector<std::size_t> around; ///< matched samples that nodes of gaps lead
 };
 
 } // namespace vcg::fcd

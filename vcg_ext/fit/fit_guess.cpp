@@ -13,11 +13,11 @@ namespace vcg::fcd {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr std::size_t bins = 24, mostNodes = 400; // of many nodes, so many are compared, evenly chosen
-constexpr double mostOff = 2;                     // root mean squares: what 95 of a hundred are within
-constexpr std::size_t fewPairs = 30;              // in a bin, for a root mean square that is no accident
+constexpr std::size_t bins = 24, mostNodes = 400; // of more nodes, so many are compared, evenly chosen
+constexpr double mostOff = 2;                     // times the rms: what 95 % are within
+constexpr std::size_t fewPairs = 30;              // the least number of pairs in a bin, for an rms that is no chance
 
-/// How far nodes are from where others, so far away, would carry them.
+/// The structure function of a pose: how far nodes are from where another node, at some distance, would carry them.
 class Structure {
   public:
     Structure(const RegionDeformer &deformer, std::vector<Index> node, const GraphPose &pose) {
@@ -40,12 +40,11 @@ class Structure {
                     continue;
                 const Eigen::Vector3d way = rest(j) - rest(i);
                 const std::size_t bin = std::min(bins - 1, std::size_t(double(bins) * way.norm() / farthest));
-                sum[bin] +=
-                    (pose.linear[std::size_t(i)] * way + pose.position.col(i) - pose.position.col(j)).squaredNorm();
+                sum[bin] += (pose.linear[i] * way + pose.position.col(i) - pose.position.col(j)).squaredNorm();
                 ++count[bin];
             }
         for (std::size_t bin = 0; bin < bins; ++bin)
-            if (count[bin] >= fewPairs) { // never less than nearer by
+            if (count[bin] >= fewPairs) { // never less than in nearer bins
                 at.push_back((double(bin) + 0.5) / double(bins) * farthest);
                 off.push_back(
                     std::max(off.empty() ? 0 : off.back(), mostOff * std::sqrt(sum[bin] / double(count[bin]))));
@@ -68,7 +67,7 @@ class Structure {
 
   private:
     double farthest = 0;
-    std::vector<double> at, off; ///< middles of the bins
+    std::vector<double> at, off; ///< middles of the bins, and the values there
 };
 
 } // namespace
@@ -87,7 +86,7 @@ FitGuess Guess(const RegionDeformer &deformer, const FitSamples &samples,
         }
     }
     std::vector<Index> matched;
-    std::vector<double> distance(k, infinite); // along the graph from what is known
+    std::vector<double> distance(k, infinite); // along the graph from matched or held nodes
     using Reached = std::pair<double, Index>;
     std::priority_queue<Reached, std::vector<Reached>, std::greater<>> next;
     for (std::size_t j = 0; j < k; ++j) {
@@ -108,12 +107,12 @@ FitGuess Guess(const RegionDeformer &deformer, const FitSamples &samples,
     while (!next.empty()) {
         const auto [far, i] = next.top();
         next.pop();
-        if (far > distance[std::size_t(i)])
+        if (far > distance[i])
             continue;
         for (Index j : graph.adjacency[i]) {
             const double there = far + (rest(i) - rest(j)).norm();
-            if (there < distance[std::size_t(j)]) {
-                distance[std::size_t(j)] = there;
+            if (there < distance[j]) {
+                distance[j] = there;
                 next.emplace(there, j);
             }
         }

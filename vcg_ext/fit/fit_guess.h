@@ -9,20 +9,20 @@
 
 namespace vcg::fcd {
 
-/// What of a fit is guessed: it has no counterpart, and was carried along.
+/// The share of a fit that is guessed: it has no counterpart, and was carried along.
 struct FitGuess {
     double share = 0;          ///< of the free surface, [0, 1]
-    double rms = 0;            ///< how far it may be off, root mean square, frame units; NaN where nothing tells
-    std::vector<double> error; ///< of each node of the graph; 0 where it is not guessed
+    double rms = 0;            ///< estimated error, root mean square, frame units; NaN: unknown
+    std::vector<double> error; ///< the same of each node of the graph; 0 if it is not guessed
 };
 
-/// How far what is guessed may be off: the deformation that was found tells how much such surfaces bend. Each node that
-/// is matched, carried rigidly by another one so far away, would be off by so much; twice the root mean square of that,
-/// at the distance from the nearest node that is matched, is the estimate (a structure function, as of random fields).
-/// Beyond the distances that the matched surface has, it grows with the square, as of a bend that goes on.
-/// \param samples those that are matched, then the landmarks \param isKnown of each sample, whether it lies where it
-/// belongs \param isFree flags of the graph's nodes; others are known \param density of the samples that are matched,
-/// one a frame unit^2: where there are none, as nothing counts, is guessed, too
+/// Estimates the error of what is guessed from how much the matched surface bends. A matched node that another one at
+/// some distance carries rigidly would be off by some length. The estimate is twice the rms of this, at the distance
+/// from the nearest matched node (a structure function, as of random fields). Beyond the distances on the matched
+/// surface, it grows with the square, as a bend that goes on.
+/// \param samples the matched ones, then the landmarks \param isKnown isKnown(sample): it lies on the target, or is met
+/// \param isFree flags of the graph's nodes; others are known
+/// \param density matched samples a frame unit^2: surface with far fewer, since it does not count, is guessed, too
 FitGuess Guess(const RegionDeformer &deformer, const FitSamples &samples,
                const std::function<bool(std::size_t)> &isKnown, const std::vector<char> &isFree, double density,
                const GraphPose &pose);

@@ -11,11 +11,11 @@ namespace vcg::fcd {
 
 namespace {
 
-/// Numbers of a matrix that is decomposed as a dense one, for which that takes a second at most.
+/// The largest size of a matrix that is decomposed as a dense one: this takes up to a second.
 constexpr std::size_t mostDense = 1 << 20;
 
-/// What the decomposition gives, by conjugate gradients on the normal equations (CGLS), which from 0 lead to the least
-/// of all solutions. Columns of \p off are for themselves.
+/// The least solution of a large least-squares system, by conjugate gradients on the normal equations from 0 (CGLS).
+/// Columns of \p off are solved each by itself.
 Eigen::MatrixXd LeastMoves(const Eigen::SparseMatrix<double> &weight, const Eigen::MatrixXd &off,
                            const Progress &progress) {
     Eigen::MatrixXd move = Eigen::MatrixXd::Zero(weight.cols(), off.cols()), left = off,
@@ -43,14 +43,15 @@ Eigen::MatrixXd LeastMoves(const Eigen::SparseMatrix<double> &weight, const Eige
 Eigen::Vector3d Within(double tolerance, const Eigen::Vector3d &place, const Eigen::Vector3d &x) {
     const Eigen::Vector3d off = x - place;
     const double far = off.norm();
-    const double inside = 0.999 * tolerance; // what rounding leaves is within, too
+    const double inside = 0.999 * tolerance; // within also after rounding
     return far <= inside ? x : Eigen::Vector3d(place + (far > 0 ? inside / far : 0) * off);
 }
 
 FitSystem::Pull LandmarkPull(double tolerance, const Eigen::Vector3d &place, const Eigen::Vector3d &x, double weight) {
-    // As much as the matches of a two-thousandth of the surface, and a hundredth of the pull from without where there
-    // are many: more than the stiffness has in the end, and less than what lies on the target around it. Beyond what a
-    // hand misses, a tolerance says that places are wrong and not only uncertain: then it falls with its square.
+    // The weight within the tolerance: as the matches of a two-thousandth of the surface have or, if there are many
+    // landmarks, a hundredth of the weight outside. That is more than the stiffness at the end, and less than the
+    // matches around. A tolerance larger than a hand misses by says that landmarks are wrong and not only uncertain:
+    // then the weight falls with its square.
     constexpr double byHand = 0.01; // of the diagonal
     const double within = std::min({5e-4, 0.01 * weight, 5e-4 * detail::Squared(byHand / std::max(tolerance, 1e-9))});
     const Eigen::Vector3d off = x - Within(tolerance, place, x);
@@ -58,8 +59,8 @@ FitSystem::Pull LandmarkPull(double tolerance, const Eigen::Vector3d &place, con
     pull.form = weight * Eigen::Matrix3d::Identity();
     pull.gradient = weight * off;
     if (tolerance > 0) {
-        // The ball is round: along it, the form is as strong as far outside as the landmark is, of its distance from
-        // the place. Without that, what is beyond it goes on along it by far in each step.
+        // Hessian of the distance from the ball, which is curved: along the ball, its distance from the ball over that
+        // from the target. Without it, landmarks outside would move far along the ball in each step.
         const Eigen::Vector3d to = x - place, way = off.stableNormalized();
         const double far = to.norm(), along = far > 0 ? off.norm() / far : 0;
         pull.form *= within / weight + along;
@@ -73,10 +74,10 @@ double MoveOnto(const FitSamples &samples, std::size_t first, const std::vector<
                 const std::vector<char> &isFree, GraphPose &pose, const Progress &progress) {
     if (place.empty())
         return 0;
-    std::vector<Index> column(isFree.size(), -1), node; // of the nodes that some of the samples follow
+    std::vector<Index> column(isFree.size(), -1), node; // of the free nodes that the samples follow
     for (std::uint32_t t = samples.begin[first]; t < samples.begin[first + place.size()]; ++t)
-        if (const Index j = samples.term[t].node; isFree[std::size_t(j)] && column[std::size_t(j)] < 0) {
-            column[std::size_t(j)] = Index(node.size());
+        if (const Index j = samples.term[t].node; isFree[j] && column[j] < 0) {
+            column[j] = Index(node.size());
             node.push_back(j);
         }
     if (node.empty())
@@ -93,7 +94,7 @@ double MoveOnto(const FitSamples &samples, std::size_t first, const std::vector<
     if (isDense)
         solver.compute(Eigen::MatrixXd(weight));
     double largest = 0;
-    for (int again = 0; again < 2; ++again) { // the second time it takes away what rounding left
+    for (int again = 0; again < 2; ++again) { // the second time, to remove rounding
         Eigen::MatrixXd off(Eigen::Index(place.size()), 3);
         for (std::size_t l = 0; l < place.size(); ++l)
             off.row(Eigen::Index(l)) = (place[l] - samples.At(first + l, pose)).transpose();
@@ -107,8 +108,8 @@ double MoveOnto(const FitSamples &samples, std::size_t first, const std::vector<
 
 double MoveTowards(const FitSamples &samples, std::size_t first, const std::vector<Eigen::Vector3d> &place,
                    const std::vector<char> &isFree, GraphPose &pose) {
-    // Iterated regularisation (Tikhonov 1963, King 1979): what nodes tell apart comes nearer by ten times or more in
-    // each round, as the squares of a sample's weights sum to a tenth or so; what they do not, hardly.
+    // Iterated regularisation (Tikhonov 1963, King 1979). The squares of a sample's weights sum to a tenth or so; so
+    // what nodes can move apart comes nearer tenfold or more in each round, and what they cannot, hardly.
     constexpr double damping = 1e-2;
     constexpr int rounds = 12;
     const Eigen::Index n = Eigen::Index(place.size());

@@ -11,27 +11,27 @@ namespace vcg::fcd {
 
 namespace {
 
-// The width of the weights over the ninth decile of the distances that count: a limb that comes late is among the last
-// tenth, and still drawn. Of 2, 4 and 8, the more the better on an armadillo, a bunny and a head posed by CGAL.
+// The least width of the weights, over the 90th percentile of the distances that count: a limb that comes late is among
+// the last tenth, and still drawn. Of 2, 4 and 8, the larger the better, on an armadillo, a bunny and a head posed by
+// CGAL.
 constexpr double wide = 8;
-// And by the end over what it was at first, where the distances do not tell: it has closed on what lies on the target.
+// And at the end over that of the first step, if the distances are shorter.
 constexpr double narrow = 0.05;
-// A match that is this often as far as its way back (and the samples' spacing farther) is another's. A round number:
-// from 1.2 to 2 there was no rule in what it changed.
+// A match does not count if it is this many times as long as its way back (plus a spacing). From 1.2 to 2 there was no
+// rule in what it changed.
 constexpr double mostDetour = 2;
-// How strongly a match draws along the surface, of how strongly across: at first so much that it draws to a place, and
-// by the end a 250th of that. More, and it takes many steps to slide to its place; less, and a smooth shape slides
-// along itself (the tube of tests/host_fit.py). What the target draws back is far from its place to the end, as all is
-// at first.
+// How strongly a match draws along the surface, over how strongly across: at first it draws to a point, at the end by
+// alongFalls of that. With more, samples take many steps to slide; with less, a smooth shape slides along itself (the
+// tube of tests/host_fit.py). Matches from the target draw as at first, since they are far until the end.
 constexpr double firstAlong = 0.5, alongFalls = 0.004;
 
-// Places that tell how alike the distances are; for each, so many that are so many spacings away: farther than the
+// For Alike: so many samples, and so many neighbours of each, `nearest` to `farthest` spacings away: farther than the
 // noise of a triangle's corner reaches, and nearer than nodes are to each other.
 constexpr std::size_t places = 1500;
 constexpr int neighbours = 4;
 constexpr double nearest = 1.5, farthest = 3;
-// Of the median of noise without its signs: its standard deviation (Huber 1981). What is farther than three of these is
-// no noise, and counts as so much.
+// The standard deviation of noise over the median of its absolute values (Huber 1981). Distances beyond three standard
+// deviations are no noise, and count as three.
 constexpr double deviation = 1.4826, mostOfMedian = 3 * deviation;
 
 } // namespace
@@ -80,7 +80,7 @@ std::vector<Eigen::Vector3d> FitMatches::WhereTheyAre() const {
     std::vector<Eigen::Vector3d> places;
     places.reserve(some.size());
     for (Index s : some)
-        places.push_back(at[std::size_t(s)]);
+        places.push_back(at[s]);
     return places;
 }
 
@@ -115,7 +115,7 @@ double FitMatches::Side() const {
     return SideOfNearest(distance, cosine);
 }
 
-/// How much the normals of a sample and of a place of the target agree, [0, 1]. \param n out: their mean
+/// How well the normals of a sample and of a match agree, [0, 1]. \param n out: the mean of the two
 double FitMatches::Angular(const FitTarget::Match &place, std::size_t s, Eigen::Vector3d &n) const {
     n = side * place.normal;
     if (n.isZero(0) || turned[s].isZero(0))
@@ -130,7 +130,7 @@ double FitMatches::Angular(const FitTarget::Match &place, std::size_t s, Eigen::
     return std::clamp((cosine - param.edge) / (full - param.edge), 0.0, 1.0);
 }
 
-/// From point to plane, and with a share \p along of it, from point to point; all of it where there is no plane.
+/// The pull from point to plane, plus a share \p along of that from point to point (all of it if \p n is 0).
 FitSystem::Pull FitMatches::PullOf(double weight, std::size_t s, const Eigen::Vector3d &place, const Eigen::Vector3d &n,
                                    double along) const {
     FitSystem::Pull pull;
@@ -139,14 +139,15 @@ FitSystem::Pull FitMatches::PullOf(double weight, std::size_t s, const Eigen::Ve
     return pull;
 }
 
-/// How much a place of the target draws the sample that is nearest to it, [0, 1]: not at all where it is reached.
-/// \param n out: where it does, the mean of the normals at both
+/// How much point \p r of the target draws its nearest sample \p s, [0, 1]; 0 if it is reached.
+/// \param n out: the mean of the two normals, unless it is reached
 double FitMatches::Draw(std::size_t r, std::size_t s, Eigen::Vector3d &n) const {
     const double far = (at[s] - reach[r].point).norm();
     return far <= 2 * param.spacing || far > param.farthest ? 0 : reach[r].weight * Angular(reach[r], s, n);
 }
 
-/// All that one sample is drawn to counts as one match together, and no less where it is far: that is what it is for.
+/// Adds the pulls of the target's points on their nearest samples. All pulls on one sample count together as one match,
+/// however far they reach.
 void FitMatches::DrawBack(std::vector<FitSystem::Pull> &pull) const {
     std::vector<double> sum(Size(), 0), drawn(reaches.size(), 0);
     std::vector<Eigen::Vector3d> mean(reaches.size());
@@ -177,7 +178,7 @@ double FitMatches::Unreached() const {
     return double(unreached) / double(reach.size());
 }
 
-/// How far a sample is from its match across the target, with its sign.
+/// The signed distance of a sample from its match, across the target.
 double FitMatches::Across(std::size_t s) const { return normal[s].normalized().dot(at[s] - match[s].point); }
 
 double FitMatches::Noise() const {
@@ -207,7 +208,7 @@ double FitMatches::Alike() {
     const auto off = [&](Index s) { return std::clamp(Across(std::size_t(s)), -most, most); };
     double squares = 0, products = 0;
     for (const auto &[a, b] : beside)
-        if (counts[std::size_t(a)] && counts[std::size_t(b)]) {
+        if (counts[a] && counts[b]) {
             squares += detail::Squared(off(a)) + detail::Squared(off(b));
             products += 2 * off(a) * off(b);
         }
@@ -226,7 +227,7 @@ void FitMatches::Find(const GraphPose &pose, double part, unsigned threads, std:
         if (counts[s] && !match[s].onBorder)
             good.push_back(distance[s]);
     }
-    // Where the target ends, what is farther than it mostly is elsewhere is beyond the end.
+    // At a border of the target, samples that are farther than most are elsewhere lie beyond it.
     const double median = Quantile(good, 0.5), atBorder = std::max(1.5 * median, least);
     for (std::size_t s = 0; s < Size(); ++s)
         if (match[s].onBorder && distance[s] > atBorder)

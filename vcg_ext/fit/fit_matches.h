@@ -15,57 +15,57 @@ namespace vcg::fcd {
 
 /// Which matches of samples and target count, frame units.
 struct MatchParam {
-    double farthest = 1;   ///< a match that is farther does not count
+    double farthest = 1;   ///< the longest match that counts
     double edge = 0.34;    ///< cosine of the largest angle between the normals
     double spacing = 0.01; ///< of the samples
-    bool bothWays = false; ///< the target draws, too, where no sample is near it
+    bool bothWays = false; ///< points of the target without a sample nearby draw the nearest sample
 };
 
-/// What the samples of a surface are drawn to, found anew in each step of a fit: for each its nearest place on the
-/// target, and how much that counts.
+/// Matches samples of a surface with their nearest points on the target, anew in each step of a fit.
 ///
-/// The weight of a match falls with its distance as graduated robust weights do (Black and Rangarajan 1996, Zhou 2016)
-/// and with the angle between the normals. One whose way back leads elsewhere does not count (as in the picky matches
-/// of Godin 1994 and Zinsser 2003): something else of the surface is nearer to the place. Nor does one where the target
-/// ends that is farther than they mostly are. So what has no counterpart is not drawn to what lies beside it.
+/// The weight of a match falls with its distance, as graduated robust weights do (Black and Rangarajan 1996, Zhou
+/// 2016), and with the angle between the normals. A match does not count if another part of the surface is nearer to
+/// its point (as in the picky matches of Godin 1994 and Zinsser 2003), or if it is at a border of the target and longer
+/// than most. So surface without a counterpart is not drawn to what lies beside it.
 ///
-/// Both ways: a place of the target that is not reached, as no sample is within two spacings of it, draws the nearest
-/// one if that looks to the same side, so that what is thin and long is reached (both directions, as Zinsser and others
-/// match).
+/// Both ways: a point of the target is not reached if no sample is within two spacings. It then draws the nearest
+/// sample if that faces the same side, so that thin and long parts are reached (matches in both directions, as by
+/// Zinsser).
 class FitMatches {
   public:
-    /// Nearer than this, of the diagonal, is as good as on the target.
+    /// A sample nearer than this (of the diagonal) counts as on the target.
     static constexpr double least = 1e-4;
 
+    /// \param target, samples must outlive this
     FitMatches(const FitTarget &target, const FitSamples &samples, const MatchParam &param);
 
-    /// \param part how much of the fit has passed, [0, 1]
+    /// Matches the samples in a pose. \param part share of the fit that has passed, [0, 1]
     /// \param pull out: of each sample, from point to plane (Chen and Medioni 1992), with the mean of both normals
     /// (Rusinkiewicz 2019)
     void Find(const GraphPose &pose, double part, unsigned threads, std::vector<FitSystem::Pull> &pull);
 
-    /// How alike the distances from the target are, with their signs, at places some spacings from each other: their
-    /// correlation, [-1, 1]. What the surface is too stiff to follow is alike at neighbouring places; noise is not.
-    /// Below 0, the surface follows some of the noise. 1 where there are no such places
+    /// The correlation of the signed distances at samples some spacings from each other, [-1, 1]. It is high for shape
+    /// that the surface is too stiff to follow, and low for noise; below 0, the surface follows some of the noise.
+    /// 1 if there are no such samples.
     double Alike();
 
-    /// The standard deviation of the distances across the target where they count, as their median tells it (Huber
-    /// 1981), frame units.
+    /// The standard deviation of the distances across the target, from the median of those that count (Huber 1981),
+    /// frame units.
     double Noise() const;
 
-    /// The share of the target's places that are not reached where the samples are now, [0, 1].
+    /// The share of the target's points that are not reached now, [0, 1].
     double Unreached() const;
 
     std::size_t Size() const { return samples.Size(); }
     double Distance(std::size_t s) const { return distance[s]; }
     const Eigen::Vector3d &Place(std::size_t s) const { return match[s].point; }
     double Spacing() const { return param.spacing; }
-    /// Samples that are not matched from now on. \param carried flags
+    /// Leaves samples out from now on. \param carried flags of these
     void LeaveOut(const std::vector<char> &carried);
     bool Counts(std::size_t s) const { return counts[s] != 0; }
     bool OnBorder(std::size_t s) const { return match[s].onBorder; }
-    /// Whether the target's normals point to the other side than the surface's, as those of a mesh whose faces are
-    /// numbered the other way round: they are taken turned over.
+    /// Whether the target's normals point to the other side than the surface's, as those of a mesh with inverted faces,
+    /// and are flipped.
     bool IsInsideOut() const { return side < 0; }
 
   private:
@@ -83,25 +83,25 @@ class FitMatches {
     const FitTarget &target;
     const FitSamples &samples;
     const MatchParam param;
-    double first = -1; // the width of the weights in the first step
-    double side = 1;   // that the target's normals are taken by
+    double first = -1; // the width of the weights in the first step; -1: no step yet
+    double side = 1;   // -1: the target's normals are flipped
     std::vector<Eigen::Vector3d> at, turned, normal;
     std::vector<double> distance, back, angular;
     std::vector<double> weight; // of each sample; 0: it is not matched
-    std::vector<Index> some;    // samples that are matched
+    std::vector<Index> some;    // samples of a weight above 0
     std::vector<FitTarget::Match> match;
     std::vector<NearestPlace::Hint> hint; // from one step to the next
     std::vector<char> counts;
-    std::vector<std::pair<Index, Index>> beside; // samples some spacings from each other
-    const std::vector<FitTarget::Match> reach;   // of the target, what is to be reached
-    std::vector<Index> reaches;                  // of each of them, the nearest sample that is matched; both ways
+    std::vector<std::pair<Index, Index>> beside; // pairs of samples for Alike
+    const std::vector<FitTarget::Match> reach;   // points of the target that should be reached
+    std::vector<Index> reaches;                  // with bothWays: of each of them, the nearest sample
 };
 
-/// A part of a list, as if it were sorted; 0 of none.
+/// The value at the fraction \p part of the sorted values; 0 if there are none.
 double Quantile(std::vector<double> values, double part);
 
-/// That to which most of the nearer half of some places looks: 1, or -1 for the other one.
-/// \param cosine between the normals of each and of its match; 0 where a side is not known
+/// 1 if the normals of the nearer half of some points mostly agree with their matches', else -1.
+/// \param cosine between the normals of each point and its match; 0: unknown
 double SideOfNearest(const std::vector<double> &distance, const std::vector<double> &cosine);
 
 } // namespace vcg::fcd

@@ -14,10 +14,10 @@ namespace vcg::fcd {
 
 namespace {
 
-// Of a part: with less of it on the target, where no other part lies, it is not led by that. Balls in and beside a
-// body have none; a limb that is apart, and of which the target has a fifth, has a twentieth.
+// The least share of a part that must lie on the target, apart from other parts, for its matches to lead it. Balls in
+// and beside a body have none; a separate limb of which the target has a fifth has a twentieth.
 constexpr double leastLed = 0.03;
-constexpr int carrySteps = 10; // a part that is placed already comes to rest in fewer
+constexpr int carrySteps = 10; // a part that is placed comes to rest in fewer
 
 } // namespace
 
@@ -26,22 +26,22 @@ FitParts::FitParts(const RegionDeformer &deformer, const FitSamples &samples, st
     const Index parts = ConnectedComponents(deformer.graph.graph.adjacency, partOf);
     isHeld.assign(std::size_t(parts), 0);
     for (Index j = 0; j < deformer.graph.Size(); ++j)
-        if (deformer.held.tag[std::size_t(deformer.patches.center[std::size_t(j)])] != 1)
-            isHeld[std::size_t(partOf[std::size_t(j)])] = 1;
+        if (deformer.held.tag[std::size_t(deformer.patches.center[j])] != 1)
+            isHeld[std::size_t(partOf[j])] = 1;
     for (std::size_t s = 0; s < samples.Size(); ++s)
         sampleOf.push_back(samples.begin[s] < samples.begin[s + 1]
                                ? partOf[std::size_t(samples.term[samples.begin[s]].node)]
-                               : -1); // all of it is held
+                               : -1); // all around it is held
     std::vector<char> isLed = isHeld;
     for (Index part : sampleOf)
         if (part >= 0)
-            isLed[std::size_t(part)] = 1;
+            isLed[part] = 1;
     Decide(isLed);
 }
 
 void FitParts::Decide(const std::vector<char> &isLed) {
     isCarried.assign(isLed.size(), 0);
-    if (std::count(isLed.begin(), isLed.end(), char(0)) < std::ptrdiff_t(isLed.size())) // else nothing could carry it
+    if (std::count(isLed.begin(), isLed.end(), char(0)) < std::ptrdiff_t(isLed.size())) // something can carry
         for (std::size_t p = 0; p < isLed.size(); ++p)
             isCarried[p] = !isLed[p];
 }
@@ -64,7 +64,7 @@ void FitParts::Judge(const FitMatches &matches, const std::function<bool(std::si
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
         return isLed[a] != isLed[b] ? isLed[a] > isLed[b] : own[a].size() > own[b].size();
     });
-    std::vector<Eigen::Vector3d> there; // where samples of parts lie that are led, and have a counterpart
+    std::vector<Eigen::Vector3d> there; // matches of samples of led parts that lie on the target
     for (std::size_t part : order) {
         std::vector<Eigen::Vector3d> found;
         for (std::size_t s : own[part])
@@ -113,27 +113,27 @@ void FitParts::Carry(const std::vector<char> &isFree, double smoothness, double 
     const Index k = deformer.graph.Size();
     const auto rest = [&](Index j) { return deformer.graph.graph.position.col(j).cast<double>(); };
     const double spacing = std::sqrt(std::max(deformer.surface.area, 1e-12) / double(std::max<Index>(k, 1)));
-    std::vector<double> gap(isHeld.size(), std::numeric_limits<double>::infinity()); // from each part to what is led
+    std::vector<double> gap(isHeld.size(), std::numeric_limits<double>::infinity()); // from each part to led ones
     std::vector<Index> leader, follower;
     for (Index j = 0; j < k; ++j)
         if (!IsCarried(j))
             leader.push_back(j);
-        else if (isFree[std::size_t(j)])
+        else if (isFree[j])
             follower.push_back(j);
     if (leader.empty() || follower.empty())
         return;
     for (Index j : follower)
         for (Index i : leader) {
-            double &its = gap[std::size_t(partOf[std::size_t(j)])];
+            double &its = gap[std::size_t(partOf[j])];
             its = std::min(its, (rest(i) - rest(j)).norm());
         }
-    // Where what is around takes a place of the rest shape, and how it turns it.
+    // Where the surroundings take a point of the rest shape, and their rotation there.
     const auto around = [&](Index part, const Eigen::Vector3d &p, Eigen::Matrix3d &turn) {
         std::vector<double> far;
         far.reserve(leader.size());
         for (Index i : leader)
             far.push_back((p - rest(i)).norm());
-        const double reach = *std::min_element(far.begin(), far.end()) + gap[std::size_t(part)] + spacing;
+        const double reach = *std::min_element(far.begin(), far.end()) + gap[part] + spacing;
         Eigen::Vector3d to = Eigen::Vector3d::Zero();
         double sum = 0;
         turn.setZero();
@@ -142,8 +142,8 @@ void FitParts::Carry(const std::vector<char> &isFree, double smoothness, double 
                 continue;
             const Index i = leader[n];
             const double part = 1 - detail::Squared(far[n] / reach), weight = part * part * part;
-            to += weight * (pose.linear[std::size_t(i)] * (p - rest(i)) + pose.position.col(i));
-            turn += weight * pose.linear[std::size_t(i)];
+            to += weight * (pose.linear[i] * (p - rest(i)) + pose.position.col(i));
+            turn += weight * pose.linear[i];
             sum += weight;
         }
         turn = rigidity < 1 ? Eigen::Matrix3d(turn / sum) : detail::RotationOf(turn / sum);
@@ -152,16 +152,16 @@ void FitParts::Carry(const std::vector<char> &isFree, double smoothness, double 
     FitSamples marks;
     std::vector<Eigen::Vector3d> place;
     std::vector<char> moves(isFree.size(), 0);
-    RegionPose held; // no sample of a part that nothing holds runs over into what is held
+    RegionPose held; // empty: samples of carried parts are not influenced by held surface
     for (Index j : follower) {
         Eigen::Matrix3d turn;
-        const Index center = deformer.patches.center[std::size_t(j)];
+        const Index center = deformer.patches.center[j];
         marks.Add(deformer, held, center);
-        const Index part = partOf[std::size_t(j)];
+        const Index part = partOf[j];
         place.push_back(around(part, deformer.surface.graph.position.col(center).cast<double>(), turn));
         pose.position.col(j) = around(part, rest(j), turn);
-        pose.linear[std::size_t(j)] = turn;
-        moves[std::size_t(j)] = 1;
+        pose.linear[j] = turn;
+        moves[j] = 1;
     }
     FitSystem system(deformer, moves, marks, smoothness, rigidity);
     std::vector<FitSystem::Pull> pull(marks.Size());

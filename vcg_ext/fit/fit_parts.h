@@ -11,33 +11,32 @@
 
 namespace vcg::fcd {
 
-/// The separate parts of a surface, as its deformation graph has them. What is matched, has a landmark or is held is
-/// led by that. A part that nothing leads is carried by those around it: by what it belongs to or lies in, as an
-/// eyeball by its head.
+/// The separate parts of a surface: the components of its deformation graph. A part is led if it is matched, has a
+/// landmark or is held. Other parts are carried by the led ones around them, as an eyeball by its head.
 class FitParts {
   public:
-    /// \param samples those that are matched come first, \p matched of them; the others are landmarks
+    /// \param samples the \p matched ones that are matched, then landmarks and vertices on curves
     FitParts(const RegionDeformer &deformer, const FitSamples &samples, std::size_t matched);
 
-    /// A part of which hardly anything lies on the target, or only where another part lies as well, is not led by its
-    /// matches: these are what it happened to be near.
-    /// \param liesOn whether a sample has a counterpart \param follows of each landmark, whether it leads
+    /// Decides again which parts are led. Matches do not lead a part if hardly any of it lies on the target apart from
+    /// other parts: then they are chance.
+    /// \param liesOn liesOn(sample): it lies on the target \param follows flags of the further samples that lead
     void Judge(const FitMatches &matches, const std::function<bool(std::size_t)> &liesOn,
                const std::vector<char> &follows);
 
-    /// How many are carried.
+    /// The number of carried parts.
     std::size_t Carried() const;
-    bool IsCarried(Index node) const { return isCarried[std::size_t(partOf[std::size_t(node)])] != 0; }
-    std::vector<char> CarriedNodes() const; ///< flags of the graph's nodes; empty where nothing is carried
-    /// Of each sample that is matched, whether its part is carried.
+    bool IsCarried(Index node) const { return isCarried[std::size_t(partOf[node])] != 0; }
+    std::vector<char> CarriedNodes() const; ///< flags of the graph's nodes; empty: none
+    /// Flags of the matched samples in carried parts.
     std::vector<char> CarriedSamples() const;
-    /// Without what is carried. \param isFree flags of the graph's nodes
+    /// \p isFree without carried nodes. \param isFree flags of the graph's nodes
     std::vector<char> Led(std::vector<char> isFree) const;
 
-    /// Takes what is carried to where the parts around it go, as rigidly as a fit begins: each of its nodes by what is
-    /// nearest, and what is farther by no more than the part is from it. So what sits on something goes with the place
-    /// where it sits, and what lies inside with all around it, and with a
-    /// rigidity below 1 it stretches as that does. \throw Unsolvable
+    /// Moves the carried parts with the led ones around them, as stiffly as a fit begins. Each node follows the nearest
+    /// led node, and all that are farther by at most the part's distance from the led ones. So a part that sits on
+    /// something follows that place, and a part inside follows all around it. With a rigidity below 1, it stretches as
+    /// its surroundings do. \throw Unsolvable the fit's system cannot be factorised
     void Carry(const std::vector<char> &isFree, double smoothness, double rigidity, double stiffness, GraphPose &pose,
                unsigned threads) const;
 
@@ -47,7 +46,7 @@ class FitParts {
     const RegionDeformer &deformer;
     const std::size_t matched;
     std::vector<Index> partOf;   ///< of each node of the graph
-    std::vector<Index> sampleOf; ///< of each sample: its part
+    std::vector<Index> sampleOf; ///< the part of each sample; -1: none
     std::vector<char> isHeld, isCarried;
 };
 

@@ -97,13 +97,13 @@ std::vector<float> WeightsAtNodes(const SurfaceView &mesh, const WeightOf &weigh
         if (!mesh.IsDeleted(i)) {
             const float its = CheckedWeight(weight, i, "surface");
             if (const Index u = deformer.nodeOf[i]; u >= 0)
-                least[std::size_t(u)] = std::min(least[std::size_t(u)], its);
+                least[u] = std::min(least[u], its);
         }
     return least;
 }
 
 void ValidateSamples(int samples) {
-    // Each takes up to 2 kB, and what is off by noise falls with the root of their number.
+    // Each takes up to 2 kB, and the error by noise falls with the square root of their number.
     if (samples < 100 || samples > 1000000)
         throw BadInput("At least 100 places have to be matched, and at most 1000000; not " + std::to_string(samples) +
                        ".");
@@ -114,20 +114,19 @@ std::vector<Index> EvenSample(const RegionDeformer &deformer, std::size_t wanted
     double area = 0;
     std::size_t count = 0;
     const auto isFree = [&](Index u) {
-        return deformer.held.tag[std::size_t(u)] == 1 && deformer.patches.patchOf[std::size_t(u)] >= 0 &&
-               (weight.empty() || weight[std::size_t(u)] > 0);
+        return deformer.held.tag[u] == 1 && deformer.patches.patchOf[u] >= 0 && (weight.empty() || weight[u] > 0);
     };
     for (Index u = 0; u < surface.graph.Size(); ++u)
         if (isFree(u)) {
-            area += double(surface.nodeArea[std::size_t(u)]);
+            area += double(surface.nodeArea[u]);
             ++count;
         }
     std::vector<Index> sample;
     double passed = 0;
     for (Index u = 0; u < surface.graph.Size(); ++u)
         if (isFree(u)) {
-            // In the nodes' order, which goes along a curve that fills space, whenever that much area has been passed.
-            passed += area > 0 ? double(surface.nodeArea[std::size_t(u)]) / area : 1 / double(count);
+            // Along the nodes' order, a space-filling curve: a sample each time that its share of the area has passed.
+            passed += area > 0 ? double(surface.nodeArea[u]) / area : 1 / double(count);
             if (passed * double(wanted) >= double(sample.size()) + 0.5 || count <= wanted)
                 sample.push_back(u);
         }
@@ -144,8 +143,8 @@ std::vector<Eigen::Vector3d> NormalsAtNodes(const SurfaceView &mesh, const Norma
     if (mesh.isCloud) {
         const Eigen::Matrix3d turn = surface.frame.inverseMetric.transpose();
         for (std::size_t i = 0; normal && i < mesh.vertexSlots; ++i)
-            if (const Index u = deformer.nodeOf[i]; u >= 0 && number[std::size_t(u)] >= 0)
-                sum[std::size_t(number[std::size_t(u)])] = turn * normal(i);
+            if (const Index u = deformer.nodeOf[i]; u >= 0 && number[u] >= 0)
+                sum[std::size_t(number[u])] = turn * normal(i);
     }
     std::vector<Corners> triangle;
     const Progress reading = progress.Slice(0, 0.2);
@@ -164,8 +163,8 @@ std::vector<Eigen::Vector3d> NormalsAtNodes(const SurfaceView &mesh, const Norma
     for (const Corners &c : triangle) {
         const Eigen::Vector3d p = position.col(c[0]), a = position.col(c[1]) - p, b = position.col(c[2]) - p;
         for (Index each : c)
-            if (const Index i = number[std::size_t(each)]; i >= 0)
-                sum[std::size_t(i)] += a.cross(b);
+            if (const Index i = number[each]; i >= 0)
+                sum[i] += a.cross(b);
     }
     for (Eigen::Vector3d &n : sum) {
         const double length = n.stableNorm();

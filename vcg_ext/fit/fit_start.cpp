@@ -29,10 +29,10 @@ Eigen::Affine3d StartFromLandmarks(const std::vector<Eigen::Vector3d> &from, con
                                    bool similar) {
     Eigen::Matrix3Xd a(3, Eigen::Index(from.size())), b(3, a.cols());
     for (Eigen::Index i = 0; i < a.cols(); ++i) {
-        a.col(i) = from[std::size_t(i)];
-        b.col(i) = to[std::size_t(i)];
+        a.col(i) = from[i];
+        b.col(i) = to[i];
     }
-    if (std::min(AcrossALine(from), AcrossALine(to)) > 1e-6) // more than what rounding leaves
+    if (std::min(AcrossALine(from), AcrossALine(to)) > 1e-6) // more than rounding
         return Eigen::Affine3d(Eigen::umeyama(a, b, similar));
     throw BadInput("A start from landmarks needs three of them that are not on a line, better four or more. Give more "
                    "landmarks, or start from where the layers lie.");
@@ -40,19 +40,19 @@ Eigen::Affine3d StartFromLandmarks(const std::vector<Eigen::Vector3d> &from, con
 
 namespace {
 
-// Another turn must fit so much better than none, or than a second one, to be told from it: half of what two surfaces
-// are apart after a start is how they are bent.
+// The misfit of a rotation, over that of none or of the second-best one, below which it is surely better: half of the
+// distance of two surfaces after a start is how they are bent.
 constexpr double better = 0.8;
-// A mirror image fits so much better: what is left is how it is bent, and not that it is mirrored, too.
+// The misfit of a mirror image over that of the best rotation, below which the target is mirrored.
 constexpr double farBetter = 0.5;
-constexpr double apart = 0.01;   // of the diagonal: nearer than this, mirror images are alike
-constexpr std::size_t few = 200; // places that tell it
-// What bends changes how far it spreads by some percent; what is larger by less is found by the fit itself.
+constexpr double apart = 0.01;   // of the diagonal: below this misfit, a shape is its own mirror image
+constexpr std::size_t few = 200; // points that are enough to tell
+// Bending changes the radius by some percent. The fit itself finds smaller differences of size.
 constexpr double someSize = 0.1;
-constexpr std::size_t waysTried = 2; // where two axes are alike, the nearest may be the wrong one
+constexpr std::size_t waysTried = 2; // if two axes are alike, the best one may be the wrong one
 
-/// How far points, moved, are from a target: the sum over the nearest four fifths. A side that looks the other way is
-/// no counterpart: as if it were so much farther; the target's normals are taken as they are, or turned over.
+/// The misfit of moved points: the sum of the nearest four fifths of the distances from the target. Where normals
+/// disagree, a distance counts three times. The target's normals are tried as they are and flipped.
 double Misfit(const std::vector<Eigen::Vector3d> &points, const std::vector<Eigen::Vector3d> &normal,
               const Eigen::Affine3d &motion, const FitTarget &target, unsigned threads) {
     std::vector<double> far[2];
@@ -86,7 +86,7 @@ Moments MomentsOf(const std::vector<Eigen::Vector3d> &points) {
     return moments;
 }
 
-/// The 24 ways to take middle and axes of points onto those of the target, or the 24 in which they are mirrored.
+/// The 24 rigid motions that take middle and axes of points onto those of the target, or the 24 mirrored ones.
 std::vector<Eigen::Affine3d> OntoAxes(const std::vector<Eigen::Vector3d> &points, const FitTarget &target,
                                       bool mirrored) {
     const Moments own = MomentsOf(points), &its = target.Spread();
@@ -168,11 +168,11 @@ double StrainOf(const RegionDeformer &deformer, const GraphPose &pose) {
     const DeformationGraph &graph = deformer.graph;
     double off = 0, all = 0;
     for (Index i = 0; i < graph.Size(); ++i)
-        for (std::uint32_t item = graph.graph.adjacency.begin[std::size_t(i)];
+        for (std::uint32_t item = graph.graph.adjacency.begin[i];
              item < graph.graph.adjacency.begin[std::size_t(i) + 1]; ++item) {
             const Index j = graph.graph.adjacency.item[item];
             const Eigen::Vector3d edge = (graph.graph.position.col(j) - graph.graph.position.col(i)).cast<double>(),
-                                  turned = pose.linear[std::size_t(i)] * edge;
+                                  turned = pose.linear[i] * edge;
             off += double(graph.weight[item]) * (pose.position.col(i) + turned - pose.position.col(j)).squaredNorm();
             all += double(graph.weight[item]) * turned.squaredNorm();
         }

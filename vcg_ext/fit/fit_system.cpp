@@ -11,8 +11,8 @@ namespace vcg::fcd {
 
 namespace {
 
-// What the data and smoothness leave open, as how a plane stretches across itself, is as rigid as this makes it, and
-// hardly anything else is.
+// The least rigidity: it decides what data and smoothness leave open, as how a plane stretches across itself, and
+// hardly anything else.
 constexpr double leastRigidity = 1e-5;
 
 } // namespace
@@ -24,34 +24,33 @@ FitSystem::FitSystem(const RegionDeformer &deformer, const std::vector<char> &is
     const Index k = deformer.graph.Size();
     unknown.assign(std::size_t(k), -1);
     for (Index j = 0; j < k; ++j)
-        if (isFree[std::size_t(j)]) {
-            unknown[std::size_t(j)] = Index(node.size());
+        if (isFree[j]) {
+            unknown[j] = Index(node.size());
             node.push_back(j);
         }
     beside.resize(node.size());
     uses.resize(node.size());
     const auto join = [&](Index a, Index b) {
         if (a >= 0 && b >= a)
-            beside[std::size_t(a)].push_back(b);
+            beside[a].push_back(b);
     };
     for (std::size_t s = 0; s < samples.Size(); ++s)
         for (std::uint32_t t = samples.begin[s]; t < samples.begin[s + 1]; ++t) {
             const Index a = unknown[std::size_t(samples.term[t].node)];
             if (a < 0)
                 continue;
-            uses[std::size_t(a)].push_back({std::uint32_t(s), t});
+            uses[a].push_back({std::uint32_t(s), t});
             for (std::uint32_t other = samples.begin[s]; other < samples.begin[s + 1]; ++other)
                 join(a, unknown[std::size_t(samples.term[other].node)]);
-            if (beside[std::size_t(a)].size() > 4096) {
-                std::sort(beside[std::size_t(a)].begin(), beside[std::size_t(a)].end());
-                beside[std::size_t(a)].erase(std::unique(beside[std::size_t(a)].begin(), beside[std::size_t(a)].end()),
-                                             beside[std::size_t(a)].end());
+            if (beside[a].size() > 4096) {
+                std::sort(beside[a].begin(), beside[a].end());
+                beside[a].erase(std::unique(beside[a].begin(), beside[a].end()), beside[a].end());
             }
         }
     for (std::size_t a = 0; a < node.size(); ++a) {
         join(Index(a), Index(a));
         for (Index j : deformer.graph.graph.adjacency[node[a]])
-            join(Index(a), unknown[std::size_t(j)]);
+            join(Index(a), unknown[j]);
         std::sort(beside[a].begin(), beside[a].end());
         beside[a].erase(std::unique(beside[a].begin(), beside[a].end()), beside[a].end());
     }
@@ -70,10 +69,10 @@ void FitSystem::MakePattern(System<N> &system) const {
     system.factor.Analyse(system.matrix, std::numeric_limits<double>::infinity());
 }
 
-/// x_s moves by weight (w x (R lever) + d).
+/// Adds what samples contribute to a row: x_s moves by weight (w x (R lever) + d).
 void FitSystem::AddSamples(Index row, const std::vector<Pull> &pull, const std::vector<Index> &place,
                            std::vector<MatrixOf<6>> &block, VectorOf<6> &gradient) const {
-    for (const Use &use : uses[std::size_t(row)]) {
+    for (const Use &use : uses[row]) {
         const Pull &p = pull[use.sample];
         if (p.form.isZero(0))
             continue;
@@ -94,7 +93,7 @@ void FitSystem::AddSamples(Index row, const std::vector<Pull> &pull, const std::
                 continue;
             const double its = other.weight;
             const Eigen::Vector3d a = its * arm[t];
-            MatrixOf<6> &b = block[std::size_t(place[std::size_t(column)])];
+            MatrixOf<6> &b = block[std::size_t(place[column])];
             b.col(0) += a[1] * drawn[2] - a[2] * drawn[1];
             b.col(1) += a[2] * drawn[0] - a[0] * drawn[2];
             b.col(2) += a[0] * drawn[1] - a[1] * drawn[0];
@@ -104,21 +103,20 @@ void FitSystem::AddSamples(Index row, const std::vector<Pull> &pull, const std::
     }
 }
 
-/// Eq. 2: of each edge, from both ends, |c_i + R_i e - c_j|^2, and alpha A |R_i - R_j|^2.
+/// Adds Eq. 2 to a row: of each edge, from both ends, |p'_i + R_i e - p'_j|^2, and alpha A |R_i - R_j|^2.
 void FitSystem::AddEdges(Index row, const GraphPose &pose, const std::vector<double> &stiffness,
                          const std::vector<Index> &place, std::vector<MatrixOf<6>> &block,
                          VectorOf<6> &gradient) const {
     const DeformationGraph &graph = deformer.graph;
-    const Index i = node[std::size_t(row)];
+    const Index i = node[row];
     const auto rest = [&](Index j) { return graph.graph.position.col(j).cast<double>(); };
-    MatrixOf<6> &own = block[std::size_t(place[std::size_t(row)])];
+    MatrixOf<6> &own = block[std::size_t(place[row])];
     const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
-    for (std::uint32_t item = graph.graph.adjacency.begin[std::size_t(i)];
-         item < graph.graph.adjacency.begin[std::size_t(i) + 1]; ++item) {
+    for (std::uint32_t item = graph.graph.adjacency.begin[i]; item < graph.graph.adjacency.begin[std::size_t(i) + 1];
+         ++item) {
         const Index j = graph.graph.adjacency.item[item];
-        const double stiff = std::max(stiffness[std::size_t(i)], stiffness[std::size_t(j)]),
-                     mu = stiff * double(graph.weight[item]) / area;
-        const Eigen::Matrix3d &ri = pose.linear[std::size_t(i)], &rj = pose.linear[std::size_t(j)];
+        const double stiff = std::max(stiffness[i], stiffness[j]), mu = stiff * double(graph.weight[item]) / area;
+        const Eigen::Matrix3d &ri = pose.linear[i], &rj = pose.linear[j];
         const Eigen::Vector3d ci = pose.position.col(i), cj = pose.position.col(j), e = rest(j) - rest(i), a = ri * e,
                               b = -(rj * e);
         const Eigen::Vector3d here = ci + a - cj, there = cj + b - ci; // by the rotation of each end
@@ -136,10 +134,10 @@ void FitSystem::AddEdges(Index row, const GraphPose &pose, const std::vector<dou
             own.topLeftCorner<3, 3>() += bend * (ri.col(d).squaredNorm() * one - ri.col(d) * ri.col(d).transpose());
             turns += ri.col(d).dot(rj.col(d)) * one - rj.col(d) * ri.col(d).transpose();
         }
-        const Index column = unknown[std::size_t(j)];
+        const Index column = unknown[j];
         if (column <= row)
             continue;
-        MatrixOf<6> &between = block[std::size_t(place[std::size_t(column)])];
+        MatrixOf<6> &between = block[std::size_t(place[column])];
         between.topLeftCorner<3, 3>() -= bend * turns;
         between.topRightCorner<3, 3>() -= mu * ax;   // (-[a]x)^T (-I)
         between.bottomLeftCorner<3, 3>() += mu * bx; // (-I)^T (-[b]x)
@@ -147,10 +145,11 @@ void FitSystem::AddEdges(Index row, const GraphPose &pose, const std::vector<dou
     }
 }
 
-/// x_s moves by weight (dA lever + d): of l = (lever, 1), each form stands in l l^T.
+/// The same for affine maps: x_s moves by weight (dA lever + d), so with l = (lever, 1) each entry of l l^T multiplies
+/// the form.
 void FitSystem::AddSamples(Index row, const std::vector<Pull> &pull, const std::vector<Index> &place,
                            std::vector<MatrixOf<12>> &block, VectorOf<12> &gradient) const {
-    for (const Use &use : uses[std::size_t(row)]) {
+    for (const Use &use : uses[row]) {
         const Pull &p = pull[use.sample];
         if (p.form.isZero(0))
             continue;
@@ -166,7 +165,7 @@ void FitSystem::AddSamples(Index row, const std::vector<Pull> &pull, const std::
             if (column < row)
                 continue;
             const Eigen::Vector4d its = samples.term[t].weight * arm[t].homogeneous();
-            MatrixOf<12> &b = block[std::size_t(place[std::size_t(column)])];
+            MatrixOf<12> &b = block[std::size_t(place[column])];
             for (Eigen::Index e = 0; e < 4; ++e)
                 b.middleCols<3>(3 * e) += its[e] * drawn;
         }
@@ -177,24 +176,24 @@ void FitSystem::AddEdges(Index row, const GraphPose &pose, const std::vector<dou
                          const std::vector<Index> &place, std::vector<MatrixOf<12>> &block,
                          VectorOf<12> &gradient) const {
     const DeformationGraph &graph = deformer.graph;
-    const Index i = node[std::size_t(row)];
+    const Index i = node[row];
     const auto rest = [&](Index j) { return graph.graph.position.col(j).cast<double>(); };
-    const Eigen::Matrix3d &ai = pose.linear[std::size_t(i)];
-    MatrixOf<12> &own = block[std::size_t(place[std::size_t(row)])];
+    const Eigen::Matrix3d &ai = pose.linear[i];
+    MatrixOf<12> &own = block[std::size_t(place[row])];
     double rigid = 0;
-    for (std::uint32_t item = graph.graph.adjacency.begin[std::size_t(i)];
-         item < graph.graph.adjacency.begin[std::size_t(i) + 1]; ++item) {
+    for (std::uint32_t item = graph.graph.adjacency.begin[i]; item < graph.graph.adjacency.begin[std::size_t(i) + 1];
+         ++item) {
         const Index j = graph.graph.adjacency.item[item];
-        const double stiff = std::max(stiffness[std::size_t(i)], stiffness[std::size_t(j)]),
-                     mu = stiff * double(graph.weight[item]) / area, bend = mu * smoothness * area;
+        const double stiff = std::max(stiffness[i], stiffness[j]), mu = stiff * double(graph.weight[item]) / area,
+                     bend = mu * smoothness * area;
         const Eigen::Vector3d ci = pose.position.col(i), cj = pose.position.col(j), e = rest(j) - rest(i);
-        const Eigen::Matrix3d &aj = pose.linear[std::size_t(j)];
+        const Eigen::Matrix3d &aj = pose.linear[j];
         const Eigen::Vector3d here = ci + ai * e - cj, there = cj - aj * e - ci; // by the map of each end
         for (Eigen::Index d = 0; d < 3; ++d)
             gradient.segment<3>(3 * d) += mu * e[d] * here + bend * (ai.col(d) - aj.col(d));
         gradient.tail<3>() += mu * (here - there);
         rigid += mu * e.squaredNorm();
-        // What of the forms is between the columns of maps and shifts: each times the identity.
+        // Coefficients between the columns of maps and shifts; each multiplies the identity.
         Eigen::Matrix4d mine = Eigen::Matrix4d::Zero(), other = Eigen::Matrix4d::Zero();
         mine.topLeftCorner<3, 3>() = mu * e * e.transpose() + bend * Eigen::Matrix3d::Identity();
         mine.topRightCorner<3, 1>() = mu * e;
@@ -204,16 +203,15 @@ void FitSystem::AddEdges(Index row, const GraphPose &pose, const std::vector<dou
         other.topRightCorner<3, 1>() = -mu * e;
         other.bottomLeftCorner<1, 3>() = mu * e.transpose();
         other(3, 3) = -2 * mu;
-        const Index column = unknown[std::size_t(j)];
+        const Index column = unknown[j];
         for (Eigen::Index d = 0; d < 4; ++d)
             for (Eigen::Index f = 0; f < 4; ++f) {
                 own.block<3, 3>(3 * d, 3 * f).diagonal().array() += mine(d, f);
                 if (column > row)
-                    block[std::size_t(place[std::size_t(column)])].block<3, 3>(3 * d, 3 * f).diagonal().array() +=
-                        other(d, f);
+                    block[std::size_t(place[column])].block<3, 3>(3 * d, 3 * f).diagonal().array() += other(d, f);
             }
     }
-    // |A - R(A)|^2 does not change where A turns.
+    // |A - R(A)|^2 does not change if A turns.
     const Eigen::Matrix3d turn = detail::RotationOf(ai), off = ai - turn;
     Eigen::Matrix<double, 9, 9> across = Eigen::Matrix<double, 9, 9>::Identity();
     for (int d = 0; d < 3; ++d) {
@@ -225,12 +223,12 @@ void FitSystem::AddEdges(Index row, const GraphPose &pose, const std::vector<dou
     gradient.head<9>() += rigidity * rigid * Eigen::Map<const VectorOf<9>>(off.data());
 }
 
-/// From one step to the next the system changes little: a factor of an earlier one is the preconditioner of conjugate
-/// gradients, until they take longer than a factorisation.
+/// Solves the system by conjugate gradients, with the factor of an earlier step as preconditioner, since the system
+/// changes little from step to step. Factorises again if that would take longer.
 template <int N>
 Eigen::VectorXd FitSystem::Solve(System<N> &system, const Eigen::VectorXd &right) {
     const int most = 12;        // about the time of a factorisation
-    const double enough = 1e-6; // square of the residual over that of the right side: a Gauss-Newton step is no better
+    const double enough = 1e-6; // squared residual over squared right side: a Gauss-Newton step is no more exact
     if (isFactored) {
         Eigen::VectorXd x = system.factor.Solve(right), r = right - system.matrix * x, z = system.factor.Solve(r),
                         p = z;
@@ -263,7 +261,7 @@ void FitSystem::Factorise(System<N> &system) {
 
 void FitSystem::Take(const Change &step, GraphPose &pose) {
     for (Eigen::Index j = 0; j < step.cols(); ++j) {
-        Eigen::Matrix3d &linear = pose.linear[std::size_t(j)];
+        Eigen::Matrix3d &linear = pose.linear[j];
         if (step.rows() == 6) {
             linear = detail::RotationBy(step.col(j).head<3>()) * linear;
         } else {
@@ -303,7 +301,7 @@ void FitSystem::Assemble(const GraphPose &pose, const std::vector<Pull> &pull, c
             VectorOf<N> its = VectorOf<N>::Zero();
             AddSamples(Index(a), pull, place, block, its);
             AddEdges(Index(a), pose, stiffness, place, block, its);
-            // Nodes that no edge and no sample draws stay.
+            // Nodes without edges and samples stay.
             block[0].diagonal().array() += 1e-12;
             gradient.segment<N>(Eigen::Index(N * a)) = its;
             system.matrix.diagonal[a] = block[0];

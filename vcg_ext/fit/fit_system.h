@@ -13,13 +13,12 @@
 namespace vcg::fcd {
 
 /// The Gauss-Newton step of a fit: turns w_k and shifts d_k of the free nodes of a deformation graph that minimise
-/// sum_s m_s(x_s - q_s) + stiffness (Eq. 2 of the paper) / A, linearised at a pose, where m_s is a quadratic form.
-/// An edge is as stiff as the stiffer one of its ends.
+/// sum_s m_s(x_s - q_s) + stiffness (Eq. 2 of the paper) / A, linearised at a pose. x_s is the position of sample s,
+/// q_s its match, and m_s a quadratic form. An edge is as stiff as the stiffer of its ends.
 ///
-/// With a rigidity r below 1, a node's map is affine, A_k instead of R_k, and what rotates it is one with what
-/// stretches it: sum_ij w_ij (|A_i e_ij + c_i - c_j|^2 + alpha A |A_i - A_j|^2) + r / (1 - r) sum_i |A_i - R(A_i)|^2
-/// sum_j w_ij |e_ij|^2, the regularisation of embedded deformation (SSP07) with a share of its rigidity. At 0, only how
-/// maps change between neighbours costs: as in a thin-plate spline, every affine map of all is free.
+/// With a rigidity r below 1, a node's map is affine, A_k instead of R_k, as in AffineDeformer, and Eq. 2 becomes
+/// sum_ij w_ij (|A_i e_ij + p'_i - p'_j|^2 + alpha A |A_i - A_j|^2) + r / (1 - r) sum_i |A_i - R(A_i)|^2
+/// sum_j w_ij |e_ij|^2.
 class FitSystem {
   public:
     template <int N>
@@ -30,30 +29,30 @@ class FitSystem {
     /// column, and d_k, 12 rows.
     using Change = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>;
 
-    /// What a sample is drawn to: the form and its gradient at the pose, in the sample's position.
+    /// The quadratic form that draws a sample to its match, and its gradient at the pose.
     struct Pull {
         Eigen::Matrix3d form = Eigen::Matrix3d::Zero();
         Eigen::Vector3d gradient = Eigen::Vector3d::Zero(); ///< form times (x - q)
     };
 
-    /// \param isFree flags of the graph's nodes \param samples which the pulls will be of, in this order
-    /// \param rigidity [0, 1]; 1: maps rotate, and do not stretch
+    /// \param isFree flags of the graph's nodes \param samples those of the pulls, in this order; must outlive this
+    /// \param rigidity [0, 1]; 1: maps are rotations
     FitSystem(const RegionDeformer &deformer, const std::vector<char> &isFree, const FitSamples &samples,
               double smoothness, double rigidity = 1);
 
-    /// The step from \p pose. \param stiffness of each node of the graph \return 0 for nodes that are not free
-    /// \throw Unsolvable
+    /// The step from \p pose; 0 for nodes that are not free. \param stiffness of each node of the graph
+    /// \throw Unsolvable the system cannot be factorised
     Change Step(const GraphPose &pose, const std::vector<Pull> &pull, const std::vector<double> &stiffness,
                 unsigned threads = 0);
-    /// Takes a step on from \p pose.
+    /// Applies a step to \p pose.
     static void Take(const Change &step, GraphPose &pose);
 
-    /// How a sample answers what draws it, where the last step was made: its move by a force of 1 in each direction.
-    /// \pre Step was called; rigidity 1 \throw Unsolvable
+    /// The compliance of a sample at the last step: its move by a force of 1, a column each direction.
+    /// \pre Step was called; rigidity 1 \throw Unsolvable as Step
     Eigen::Matrix3d Compliance(std::size_t sample);
 
   private:
-    /// Of nodes with N unknowns each.
+    /// The system for N unknowns a node.
     template <int N>
     struct System {
         detail::BlockMatrix<N> matrix;
@@ -84,15 +83,15 @@ class FitSystem {
     const double rigidity;                  ///< r / (1 - r)
     const int size;                         ///< unknowns of a node
     std::vector<Index> node;                ///< of each unknown
-    std::vector<Index> unknown;             ///< of each node, -1 for none
-    std::vector<std::vector<Index>> beside; ///< of each unknown: those from it on that share a sample or an edge
+    std::vector<Index> unknown;             ///< of each node; -1: not free
+    std::vector<std::vector<Index>> beside; ///< of each unknown: itself and later ones that share a sample or an edge
     struct Use {
         std::uint32_t sample, term;
     };
-    std::vector<std::vector<Use>> uses; ///< of each unknown: the terms of samples that it is in
-    std::vector<Eigen::Vector3d> arm;   ///< of each term, R lever at the pose; of affine maps, the lever
+    std::vector<std::vector<Use>> uses; ///< of each unknown: the terms of samples with it
+    std::vector<Eigen::Vector3d> arm;   ///< of each term: R lever at the pose; for affine maps, the lever
     std::variant<System<6>, System<12>> system;
-    bool isFactored = false, isNew = false; ///< the factor is of this matrix, or of an earlier one
+    bool isFactored = false, isNew = false; ///< there is a factor; it is of the present matrix
 };
 
 } // namespace vcg::fcd

@@ -20,12 +20,12 @@ double Moments::Radius() const { return std::sqrt(std::max((second / sum).trace(
 
 namespace {
 
-/// A surface without the vertices that are not finite, and without the faces at them; and without what does not count:
-/// points of weight 0, and faces of which all corners have that.
+/// A surface without vertices that are not finite and the faces at them, and without points of weight 0 and faces with
+/// three corners of weight 0.
 class CountingPart {
   public:
     CountingPart(const SurfaceView &all, const WeightOf &weight, const std::string &name) : view(all) {
-        std::vector<char> isNone(weight ? all.vertexSlots : 0, 0); // of weight 0, and at no face that counts
+        std::vector<char> isNone(weight ? all.vertexSlots : 0, 0); // has weight 0, and no face that counts
         bool isLess = false;
         for (std::size_t i = 0; i < all.vertexSlots; ++i) {
             if (all.IsDeleted(i))
@@ -59,11 +59,11 @@ class CountingPart {
         if (!deleted.empty())
             view.deleted = deleted.data();
         view.corner = corner.data();
-        view.edges = 0; // which no fit looks at
+        view.edges = 0; // fits do not use edge elements
     }
 
     SurfaceView view;        ///< refers to this object
-    std::size_t leftOut = 0; ///< as they are not finite
+    std::size_t leftOut = 0; ///< number of vertices that are not finite
     bool any = false;        ///< something counts
 
   private:
@@ -107,26 +107,27 @@ FitTarget::FitTarget(const SurfaceView &target, const std::function<Eigen::Vecto
         isRead();
     place = std::make_unique<NearestPlace>(position, std::move(triangle), flags, progress.Slice(0.7, 0.9));
     if (!isCloud)
-        LookAround(progress.Slice(0.9, 1)); // only now: while a tree is built, it takes the most
+        LookAround(progress.Slice(0.9, 1)); // after the tree, whose building needs the most memory
     for (std::size_t i = 0; i < flags.size(); ++i)
         if (flags[i] != 0)
             box.extend(position.col(Eigen::Index(i)));
 }
 
-/// The vertices at one place are one, so that a border is where the surface ends, and not where vertices are doubled.
+/// Reads the triangles between welded vertices, so that borders are where the surface ends, not where vertices are
+/// doubled.
 std::vector<Corners> FitTarget::ReadTriangles(const SurfaceView &target, const Eigen::Affine3d &toFrame,
                                               const WeightOf &weightOf, const Progress &progress) {
     SurfaceGraph surface = BuildSurfaceGraph(target, progress.Slice(0, 0.5));
     const Index n = surface.graph.Size();
     const std::vector<Index> nodeOf = std::move(surface.nodeOf);
-    surface = {}; // what joins the nodes takes as much as all that is read here
+    surface = {}; // frees as much memory as all that is read here needs
     position.resize(3, n);
     if (weightOf)
         weight.assign(std::size_t(n), 1.f);
     for (std::size_t i = 0; i < target.vertexSlots; ++i)
         if (nodeOf[i] >= 0) {
             position.col(nodeOf[i]) = toFrame * target.At(i);
-            if (weightOf) // the least of those at one place
+            if (weightOf) // the least of the vertices of a node
                 weight[std::size_t(nodeOf[i])] = std::min(weight[std::size_t(nodeOf[i])], float(weightOf(i)));
         }
     std::vector<Corners> triangle;
@@ -142,7 +143,7 @@ std::vector<Corners> FitTarget::ReadTriangles(const SurfaceView &target, const E
         if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0] || std::min({c[0], c[1], c[2]}) < 0)
             continue;
         const Eigen::Vector3d p = position.col(c[0]), one = position.col(c[1]) - p, other = position.col(c[2]) - p;
-        if (one.cross(other).norm() > 1e-12 * one.norm() * other.norm()) // else a line, up to rounding: no plane
+        if (one.cross(other).norm() > 1e-12 * one.norm() * other.norm()) // not a line, up to rounding
             triangle.push_back(c);
     }
     if (triangle.empty())
@@ -151,12 +152,12 @@ std::vector<Corners> FitTarget::ReadTriangles(const SurfaceView &target, const E
     return triangle;
 }
 
-/// What the triangles tell of their corners, and of all together.
+/// Finds normals, borders and moments from the triangles.
 void FitTarget::LookAround(const Progress &progress) {
     const std::size_t n = std::size_t(position.cols());
     normal = Eigen::Matrix3Xf::Zero(3, position.cols());
     flags.assign(n, 0);
-    // The exclusive or of the neighbours over the faces around a node: each inner one comes twice.
+    // The exclusive or of the neighbours over a node's faces is 0 unless it is on a border: else each comes twice.
     std::vector<std::uint64_t> once(n, 0);
     const auto spread = [](Index i) { return (std::uint64_t(i) + 1) * 0x9E3779B97F4A7C15u; };
     std::size_t seen = 0;
@@ -201,7 +202,7 @@ void FitTarget::ReadPoints(const SurfaceView &target, const std::function<Eigen:
 }
 
 FitTarget::Shape FitTarget::Spans() const {
-    // About the middle of the box, or rounding hides what is thin.
+    // About the centre of the box: far from it, rounding would hide thin shapes.
     Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     double count = 0;
@@ -212,7 +213,7 @@ FitTarget::Shape FitTarget::Spans() const {
     Shape shape;
     if (slot.empty())
         return shape;
-    // Without strays, beside which anything is a point.
+    // Without strays, beside which any shape is a point.
     const Eigen::AlignedBox3d core =
         detail::WithoutStrays(box, slot.size(), [&](std::size_t k) { return Eigen::Vector3d(position.col(slot[k])); });
     const auto forAll = [&](const auto &visit) {
@@ -227,7 +228,7 @@ FitTarget::Shape FitTarget::Spans() const {
     mean /= count;
     forAll([&](const Eigen::Vector3d &p) { second += (p - mean) * (p - mean).transpose(); });
     const Eigen::Vector3d squared = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(second).eigenvalues().cwiseMax(0);
-    if (std::sqrt(squared[2] / count) > 1e-12 * (core.center().norm() + 1)) { // more than what rounding leaves
+    if (std::sqrt(squared[2] / count) > 1e-12 * (core.center().norm() + 1)) { // more than rounding
         shape.acrossLine = std::sqrt(squared[1] / squared[2]);
         shape.acrossPlane = std::sqrt(squared[0] / squared[2]);
     }
@@ -247,13 +248,13 @@ std::vector<FitTarget::Match> FitTarget::Places(std::size_t wanted) const {
         for (const Corners &c : place->Triangles()) {
             const double its = area(c);
             passed += its;
-            while (passed * double(wanted) >= (double(places.size()) + 0.5) * all) { // that much area has been passed
+            while (passed * double(wanted) >= (double(places.size()) + 0.5) * all) {
                 const std::size_t k = places.size();
-                std::size_t corner = k % 3; // of a small triangle, one at the border: that is what a fit may leave
+                std::size_t corner = k % 3; // in a small triangle, a corner; one on a border if there is one
                 for (std::size_t i = 0; i < 3 && !IsBorder(c[corner]); ++i)
                     corner = IsBorder(c[i]) ? i : corner;
                 double u = corner == 1 ? 1 : 0, v = corner == 2 ? 1 : 0;
-                if (its * double(wanted) > all) { // of a large one where the plastic number's sequence leads: evenly
+                if (its * double(wanted) > all) { // in a large one, a point of an even sequence (Roberts' R2)
                     double whole;
                     u = std::modf(0.5 + 0.7548776662466927 * double(k), &whole);
                     v = std::modf(0.5 + 0.5698402909980532 * double(k), &whole);
@@ -270,7 +271,7 @@ std::vector<FitTarget::Match> FitTarget::Places(std::size_t wanted) const {
     }
     const std::size_t all = flags.size() - std::size_t(std::count(flags.begin(), flags.end(), char(0))),
                       stride = 1 + (all - 1) / std::max<std::size_t>(wanted, 1);
-    std::size_t before = stride - stride / 2; // one comes where it is a multiple of the stride
+    std::size_t before = stride - stride / 2; // a point is chosen at each multiple of the stride
     for (std::size_t i = 0; i < flags.size(); ++i)
         if (flags[i] != 0 && before++ % stride == 0)
             places.push_back(Nearest(position.col(Eigen::Index(i))));
@@ -283,23 +284,23 @@ FitTarget::Match FitTarget::Nearest(const Eigen::Vector3d &p, NearestPlace::Hint
     match.point.setZero();
     bool isBorder = !isCloud;
     for (int k = 0; k < at.count; ++k) {
-        match.point += at.weight[std::size_t(k)] * position.col(at.slot[std::size_t(k)]);
+        match.point += at.weight[k] * position.col(at.slot[k]);
         if (!weight.empty())
-            match.weight -= at.weight[std::size_t(k)] * (1 - double(weight[std::size_t(at.slot[std::size_t(k)])]));
+            match.weight -= at.weight[k] * (1 - double(weight[std::size_t(at.slot[k])]));
         if (normal.cols() > 0)
-            match.normal += at.weight[std::size_t(k)] * normal.col(at.slot[std::size_t(k)]).cast<double>();
-        isBorder = isBorder && IsBorder(at.slot[std::size_t(k)]);
+            match.normal += at.weight[k] * normal.col(at.slot[k]).cast<double>();
+        isBorder = isBorder && IsBorder(at.slot[k]);
     }
     match.weight = match.weight < 1e-6 ? 0 : match.weight; // rounding
     match.onBorder = isBorder && at.count < 3;
     match.isOriented = true;
-    if (isCloud && match.normal.isZero(0) && at.count > 2) { // the plane through the points around
+    if (isCloud && match.normal.isZero(0) && at.count > 2) { // of the plane through the points around
         Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
         Eigen::Vector3d middle = Eigen::Vector3d::Zero();
         for (int k = 0; k < at.count; ++k)
-            middle += position.col(at.slot[std::size_t(k)]) / at.count;
+            middle += position.col(at.slot[k]) / at.count;
         for (int k = 0; k < at.count; ++k) {
-            const Eigen::Vector3d way = position.col(at.slot[std::size_t(k)]) - middle;
+            const Eigen::Vector3d way = position.col(at.slot[k]) - middle;
             spread += way * way.transpose();
         }
         match.normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(0);

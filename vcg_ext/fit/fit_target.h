@@ -19,7 +19,7 @@
 
 namespace vcg::fcd {
 
-/// Middle and principal axes of what is spread in space.
+/// Middle and principal axes of weighted points.
 class Moments {
   public:
     void Add(const Eigen::Vector3d &p, double weight) {
@@ -28,7 +28,7 @@ class Moments {
         second += weight * p * p.transpose();
     }
     Eigen::Vector3d Middle() const { return first / sum; }
-    Eigen::Matrix3d Axes() const; ///< columns, from the shortest to the longest; of length 1
+    Eigen::Matrix3d Axes() const; ///< unit columns, from the shortest to the longest extent
     double Radius() const;        ///< root mean square distance from the middle
 
   private:
@@ -37,30 +37,30 @@ class Moments {
     Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
 };
 
-/// What a surface is fitted to: triangles, or points with or without normals. Any number of threads may ask.
+/// The target of a fit: triangles, or points with or without normals. Const functions are safe for any number of
+/// threads.
 class FitTarget {
   public:
-    /// Where it is nearest to a point.
+    /// The point of the target nearest to a given one, frame units.
     struct Match {
         Eigen::Vector3d point;
-        Eigen::Vector3d normal = Eigen::Vector3d::Zero(); ///< of length 1; 0 where it is not known
-        bool isOriented = false;                          ///< the normal points outwards, and not perhaps inwards
-        bool onBorder = false;                            ///< of triangles: the surface ends there
+        Eigen::Vector3d normal = Eigen::Vector3d::Zero(); ///< of length 1; 0: unknown
+        bool isOriented = false;                          ///< false: the normal may point inwards
+        bool onBorder = false;                            ///< the point is on an open border of triangles
         double weight = 1;                                ///< how much it counts, [0, 1]
     };
 
-    /// \param target triangles, or points where it has none; in mesh units of its own, as \p toWorld says
-    /// \param normal of points, any length; may be empty, or 0 for some
-    /// \param toFrame from mesh units of the target to the frame that all is computed in
-    /// \param isRead called as soon as nothing of \p target is needed any more; may be empty
-    /// \param weight of each vertex, [0, 1]; may be empty: 1. Points and triangles of which it is 0 all over are left
-    /// out \param name what messages call it. What is not finite is left out, with the triangles at it. \throw BadInput
-    /// nothing is left \throw Cancelled
+    /// Reads the target. Vertices that are not finite are left out, with their triangles; so are points, and triangles
+    /// with three corners, of weight 0.
+    /// \param target triangles; points if it is a cloud \param normal of points, any length; may be empty, or 0 for
+    /// some \param toFrame from mesh units of the target to the frame of the source \param isRead called as soon as \p
+    /// target is no longer needed; may be empty \param weight of each vertex, [0, 1]; empty: 1 \param name of the
+    /// target, for messages \throw BadInput nothing is left, or a weight is out of range \throw Cancelled
     FitTarget(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normal,
               const Eigen::Affine3d &toFrame, const Progress &progress = {}, const std::function<void()> &isRead = {},
               const WeightOf &weight = {}, const std::string &name = "target");
 
-    /// \param hint of a point that is near, or the same one earlier; changes no bit
+    /// \param p frame units \param hint of a point nearby, for speed
     Match Nearest(const Eigen::Vector3d &p, NearestPlace::Hint &hint) const;
     Match Nearest(const Eigen::Vector3d &p) const {
         NearestPlace::Hint none;
@@ -69,15 +69,16 @@ class FitTarget {
     const Moments &Spread() const { return moments; } ///< of the triangles' area, or of the points
     /// Its box, frame units.
     const Eigen::AlignedBox3d &Box() const { return box; }
-    /// How far it spreads across its line and across its plane, of how far along, [0, 1]; 0, 0 for a point.
+    /// Rms extents across its main direction, and across its plane, over that along the main direction, [0, 1]; 0 for a
+    /// point.
     struct Shape {
         double acrossLine = 0, acrossPlane = 0;
     };
     Shape Spans() const;
-    std::vector<Curve> curves;                      ///< that vertices of the source slide along, frame units
+    std::vector<Curve> curves;                      ///< as of FitGoal, but frame units
     std::size_t LeftOut() const { return leftOut; } ///< vertices with a coordinate that is not finite
 
-    /// Some places of it, about so many, that stand for the same area each; or some of its points, evenly among all.
+    /// About \p wanted points of the target: of triangles, points that stand for the same area each.
     std::vector<Match> Places(std::size_t wanted) const;
 
   private:
@@ -87,14 +88,14 @@ class FitTarget {
     void ReadPoints(const SurfaceView &target, const std::function<Eigen::Vector3d(std::size_t)> &normal,
                     const Eigen::Affine3d &toFrame, const WeightOf &weightOf);
 
-    bool IsBorder(Index i) const { return flags[std::size_t(i)] == border; }
+    bool IsBorder(Index i) const { return flags[i] == border; }
 
-    // What is kept of each node is most of what a fit takes, so normals are of single precision.
+    // These arrays are most of a fit's memory, so normals are floats.
     enum Flag : char { inside = 1, border = 2 };
-    Eigen::Matrix3Xd position; // of nodes, in an order along a curve that fills space, or points
-    Eigen::Matrix3Xf normal;   // of each, of length 1 or 0; 0 columns where there are none
+    Eigen::Matrix3Xd position; // of nodes of triangles (in Morton order), or points; frame units
+    Eigen::Matrix3Xf normal;   // of each, length 1 or 0; no columns: unknown
     std::vector<float> weight; // of each; empty: 1
-    std::vector<char> flags;   // of each: 0 where there is none; border only of nodes of triangles
+    std::vector<char> flags;   // Flag of each; 0: not part of the target
     bool isCloud = false;
     const std::string name;
     std::size_t leftOut = 0;

@@ -10,7 +10,7 @@ namespace vcg::fcd {
 
 namespace {
 
-constexpr double most = 0.75; // halfway between all and a half, which says nothing
+constexpr double most = 0.75; // half-way between full agreement and none, which is a half
 
 /// The triangles at each node.
 class Fans {
@@ -25,14 +25,14 @@ class Fans {
         std::vector<std::uint32_t> end(begin.begin(), begin.end() - 1);
         for (std::size_t t = 0; t < triangle.size(); ++t)
             for (Index c : triangle[t])
-                item[end[std::size_t(c)]++] = std::uint32_t(t);
+                item[end[c]++] = std::uint32_t(t);
     }
 
-    std::uint32_t Size(Index node) const { return begin[std::size_t(node) + 1] - begin[std::size_t(node)]; }
-    const std::uint32_t *First(Index node) const { return item.data() + begin[std::size_t(node)]; }
+    std::uint32_t Size(Index node) const { return begin[std::size_t(node) + 1] - begin[node]; }
+    const std::uint32_t *First(Index node) const { return item.data() + begin[node]; }
     const std::uint32_t *Last(Index node) const { return First(node) + Size(node); }
 
-    /// Whether one before it has the same corners.
+    /// Whether an earlier triangle has the same corners.
     bool IsRepeated(std::uint32_t t) const {
         Corners own = triangle[t];
         const Index rare =
@@ -47,8 +47,8 @@ class Fans {
         return false;
     }
 
-    /// The only other triangle at an edge of \p t, or \p t itself. \param against out: whether both run along it in the
-    /// same direction
+    /// The only other triangle at an edge of \p t; \p t itself if there is none, or several. \param against out:
+    /// whether both run along the edge in the same direction, so that they face different sides
     std::uint32_t Beside(std::uint32_t t, Index from, Index to, bool &against) const {
         std::uint32_t found = t;
         const Index rare = Size(from) < Size(to) ? from : to;
@@ -97,7 +97,7 @@ void MakeOneSided(const Eigen::Matrix3Xd &position, std::vector<Corners> &triang
     const Progress turning = progress.Slice(0.6, 1);
     const Fans fans(nodes, triangle);
     std::size_t seen = 0;
-    const auto at = [&](std::uint32_t t, int k) { return position.col(triangle[t][std::size_t(k)]); };
+    const auto at = [&](std::uint32_t t, int k) { return position.col(triangle[t][k]); };
     const auto across = [&](std::uint32_t t) -> Eigen::Vector3d {
         return (at(t, 1) - at(t, 0)).cross(at(t, 2) - at(t, 0));
     };
@@ -143,7 +143,7 @@ void MakeOneSided(const Eigen::Matrix3Xd &position, std::vector<Corners> &triang
         middle /= all;
         bool isOther = area[turned] > area[kept];
         if (std::max(area[kept], area[turned]) < most * all) {
-            double volume = 0; // of the kept ones as they are
+            double volume = 0; // with the side of the kept triangles
             for (std::uint32_t t : piece)
                 volume += (side[t] == kept ? 1 : -1) * (at(t, 0) - middle).dot(across(t));
             isOther = volume < 0;

@@ -15,11 +15,11 @@ namespace vcg::fcd {
 /// A triangle of nodes.
 using Corners = std::array<Index, 3>;
 
-/// Makes one side of a surface: triangles with the same corners count once, however these are numbered, and each looks
-/// to the side to which those beside it do. Of a piece that hangs together by edges of two triangles, the side is that
-/// of most of its area; where less than three quarters of it agree, that which is outwards. What has one side already
-/// keeps its bits, and so does a piece that has none, as a Moebius strip.
-/// \param position 3 x nodes \param triangle of three different nodes each \throw Cancelled
+/// Orients a surface: flips triangles so that neighbours face the same side, and removes repeated triangles (with the
+/// same corners in any order). A piece, whose triangles are joined by edges of two, gets the side of most of its area;
+/// if less than three quarters of the area agree, it faces outwards. Pieces that are oriented, or cannot be (a Moebius
+/// strip), are not changed.
+/// \param position 3 x nodes \param triangle in, out: three different nodes each \throw Cancelled
 void MakeOneSided(const Eigen::Matrix3Xd &position, std::vector<Corners> &triangle, const Progress &progress = {});
 
 } // namespace vcg::fcd

@@ -13,8 +13,9 @@ double CotangentWeight(const Graph &g, Index u, Index v) {
     const Csr::Row a = g.adjacency[u], b = g.adjacency[v];
     const Eigen::Vector3d xu = g.position.col(u).cast<double>(), xv = g.position.col(v).cast<double>();
     const Eigen::Vector3d edge = xv - xu;
-    const auto forShared = [&](const auto &body) {  // body(cotangent, across): the angle's, and from the edge to there
-        const bool isShorter = a.size() < b.size(); // a hub has as many edges as neighbours: look up what is shared
+    // Calls body(cotangent of the angle, is flat, from the edge to the vertex, dot product) for each common neighbour.
+    const auto forShared = [&](const auto &body) {
+        const bool isShorter = a.size() < b.size(); // a hub has very many neighbours: do not walk through them
         const Csr::Row &few = isShorter ? a : b, &many = isShorter ? b : a;
         const bool isHub = many.size() > 16 * few.size();
         const Index *j = many.begin();
@@ -29,7 +30,7 @@ double CotangentWeight(const Graph &g, Index u, Index v) {
                 continue;
             const Eigen::Vector3d x = g.position.col(i).cast<double>(), p = xu - x, q = xv - x;
             const double twice = p.cross(q).norm();
-            // Below this height over base, a triangle's float coordinates say nothing about its shape.
+            // At less height over base, float coordinates do not tell the shape of a triangle.
             const bool isFlat = !(twice > 1e-5 * std::max(p.squaredNorm(), q.squaredNorm()));
             body(isFlat ? 0 : p.dot(q) / twice, isFlat,
                  Eigen::Vector3d(-p - edge * (edge.dot(-p) / edge.squaredNorm())), p.dot(q));
@@ -101,7 +102,7 @@ void MatchTensors(const Graph &graph, const Eigen::Matrix3Xf &edge, const std::v
             const Index j = adjacency.item[e];
             if (!(weight[e] > 0))
                 continue;
-            const double ends = held[i] || held[j] ? 1 : 2; // that ask
+            const double ends = held[i] || held[j] ? 1 : 2; // held nodes ask for nothing
             const double asked = 1 + directionOf(e).dot(change[i] + change[j]) / ends;
             weight[e] *= float(std::min(shape.mostTensorChange, std::max(1 / shape.mostTensorChange, asked)));
         }

@@ -11,7 +11,8 @@ namespace vcg::fcd {
 
 namespace {
 
-/// Groups of nodes around such as are no neighbours of each other. \return the nodes they grew from
+/// Groups the nodes: leaders are not neighbours of each other, and every other node joins the nearest leader beside it.
+/// Each constrained node is a group by itself. \return the leader of each group
 std::vector<Index> GroupNodes(const Graph &graph, const std::vector<bool> &constrained, std::vector<Index> &groupOf) {
     std::vector<Index> leader, joined;
     groupOf.assign(std::size_t(graph.Size()), -1);

@@ -9,17 +9,16 @@
 
 namespace vcg::fcd {
 
-/// A deformation graph whose patches are groups of those of a finer one.
+/// A deformation graph whose patches are groups of the patches of a finer graph of k nodes.
 struct CoarseGraph {
     DeformationGraph graph;
-    std::vector<Index> groupOf; ///< k, which of its nodes each node of the finer graph is in
-    std::vector<Index> leader;  ///< of each of its nodes, the node of the finer graph that the group grew from
+    std::vector<Index> groupOf; ///< k, the coarse node that holds each node of the finer graph
+    std::vector<Index> leader;  ///< of each coarse node, the node of the finer graph that the group grew from
 };
 
-/// Joins the free patches of a graph of k nodes, about four to one, as if the surface had been divided into those: each
-/// with what has no such neighbour yet. Constrained ones stay as they are. What flows over the borders of the groups is
-/// what flows over those of their patches, so that nothing of the surface is read.
-/// \param area k values, of the patches \param constrained k flags; held nodes are
+/// Merges the free patches of a graph of k nodes, about four to one. Constrained nodes stay as they are. The flux
+/// through a group's border is the sum over its patches' borders, so the surface is not read.
+/// \param area k values, of the patches, frame units^2 \param constrained k flags; held nodes are constrained
 CoarseGraph Coarsen(const DeformationGraph &fine, const std::vector<double> &area, const std::vector<bool> &constrained,
                     GraphWeights weights, const ShapeConstants &shape = {});
 

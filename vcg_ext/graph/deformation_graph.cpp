@@ -64,7 +64,7 @@ DeformationGraph MakeDeformationGraph(const Graph &surface, const std::vector<In
         progress);
     d.radius = patches.radius;
 
-    // In so many parts, so that sums do not depend on the number of threads, and are shorter than the parts.
+    // A fixed number of parts, so that the sums do not depend on the number of threads.
     const std::size_t n = std::size_t(surface.Size()), parts = std::clamp<std::size_t>(n / (64 * k + 1), 1, 16);
     std::vector<Eigen::Matrix4Xd> sums(parts);
     ParallelFor(progress.threads, parts, 1, [&](std::size_t part, std::size_t) {

@@ -19,25 +19,26 @@ struct DeformationGraph {
     std::vector<float> weight; ///< w_ij of each adjacency item, symmetric, > 0
     std::vector<float> radius; ///< k, d_j: radius of the patch
     std::vector<double> area;  ///< k, of the patch, frame units^2; empty: not known
-    Eigen::Matrix3Xf edge;     ///< 3 x adjacency items, e_ij: from neighbour j to i. Between a held and a free patch it
-                               ///< spans the free one only, to where the two touch: a held patch moves as one
-    std::vector<char> held;    ///< k flags: of held patches; empty for none
+    Eigen::Matrix3Xf edge;  ///< 3 x adjacency items, e_ij: from neighbour j to i. Between a free and a held patch, it
+                            ///< ends at their common border, since a held patch moves as one
+    std::vector<char> held; ///< k flags of held patches; empty: none
 
     Index Size() const { return graph.Size(); }
     bool IsHeld(Index i) const { return !held.empty() && held[i]; }
 };
 
-/// The dual graph of \p patches over \p surface (n nodes) and its weights. A node is at the barycentre of its patch, or
-/// at the patch's centre where that is held, the nodes have no area or the graph is as printed. Held patches (tag other
-/// than 1) are not joined with each other: between them nothing deforms.
+/// The dual graph of \p patches over \p surface (n nodes), with its weights. A node is at the barycentre of its patch,
+/// or at the central vertex if the patch is held or has no area, or with GraphWeights::Printed. There are no edges
+/// between held patches (tag other than 1): nothing deforms between them.
 /// \param tag n values: 1 free, others held; empty: all free
 /// \param area n values, >= 0: of the surface around each node
 DeformationGraph MakeDeformationGraph(const Graph &surface, const std::vector<Index> &tag,
                                       const std::vector<float> &area, const Patches &patches, GraphWeights weights,
                                       const Progress &progress = {}, const ShapeConstants &shape = {});
 
-/// Makes patches of the held nodes (tag other than 1) with a free neighbour: each belongs to the patch of the nearest,
-/// and those of one tag that do form one, so that it faces that patch. Beside a patch of one node, each is its own.
+/// Adds patches of the held nodes (tag other than 1) that have a free neighbour. Those of one tag whose nearest free
+/// neighbour is in the same free patch form one patch, which faces it. Beside a patch of a single node, each held node
+/// is a patch.
 void AddHeldPatches(const Graph &surface, const std::vector<Index> &tag, Patches &patches,
                     const Progress &progress = {});
 

@@ -13,18 +13,18 @@ namespace vcg::fcd {
 
 namespace {
 
-/// Stiffness of the stiffest place over that of the softest. A strip that is clamped at both ends, and whose stiffness
-/// changes exponentially by this ratio, is as near to the falloff (1 - t)^2 by its stretching as by its bending: rms
-/// 0.09 and 0.07. (10 is best for stretching alone, 100 for bending.)
+/// The largest stiffness over the smallest. A strip that is clamped at both ends, with a stiffness that changes
+/// exponentially by this ratio, then follows the falloff (1 - t)^2 about as well in stretching (rms 0.09) as in bending
+/// (0.07). 10 would be best for stretching alone, 100 for bending.
 constexpr double falloffRatio = 30;
 
-/// A constrained part, and the way to it.
+/// A constrained part, and its distance.
 struct Near {
     Index tag = 1; // none
     double way = std::numeric_limits<double>::infinity();
 };
 
-/// The nearest two constrained parts of each node, by the ways along the edges through free nodes (Dijkstra 1959).
+/// The two constrained parts nearest to each node, by distance along edges through free nodes (Dijkstra 1959).
 std::vector<std::array<Near, 2>> NearestParts(const DeformationGraph &graph, const std::vector<Index> &tag) {
     using Offer = std::tuple<double, Index, Index>; // way, node, tag
     std::priority_queue<Offer, std::vector<Offer>, std::greater<>> next;
@@ -47,7 +47,7 @@ std::vector<std::array<Near, 2>> NearestParts(const DeformationGraph &graph, con
     return nearest;
 }
 
-/// The place of a node: 0 at a handle, 1 at what is fixed, 1 / 2 half way between two handles.
+/// t of WeighFalloff: 0 at a handle, 1 at fixed parts, 1/2 half-way between two handles.
 double PlaceOf(const std::array<Near, 2> &nearest) {
     const bool isHandleFirst = nearest[0].tag != 0;
     const double a = nearest[isHandleFirst ? 0 : 1].way, b = nearest[isHandleFirst ? 1 : 0].way;
@@ -56,7 +56,7 @@ double PlaceOf(const std::array<Near, 2> &nearest) {
     return b < std::numeric_limits<double>::infinity() ? a / (a + b) : 0;
 }
 
-/// The exponent of falloffRatio at place t: -1/2 where it is softest, 1/2 where it is stiffest.
+/// The exponent of falloffRatio at \p t: -1/2 where the surface is softest, 1/2 where it is stiffest.
 double ExponentAt(double t, Falloff falloff) {
     switch (falloff) {
     case Falloff::Linear: return 2 * t * (1 - t) - 0.25; // half: what stretches needs none

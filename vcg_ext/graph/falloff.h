@@ -11,16 +11,16 @@ namespace vcg::fcd {
 /// How the motion of a handle fades towards what else is held: where the free surface between them bends, twists and
 /// stretches.
 enum class Falloff {
-    Smooth,  ///< evenly, all the way
-    Linear,  ///< near both ends; between them, it stays straight
+    Smooth,  ///< evenly between the two
+    Linear,  ///< near both ends, and straight between them
     Sharp,   ///< near the handle: a peak
-    Constant ///< far from the handle: the surface around the handle goes along, a plateau
+    Constant ///< far from the handle, whose surroundings go along: a plateau
 };
 
-/// Multiplies the weights of \p graph's edges, so that the surface is softer where \p falloff bends it, and stiffer
-/// elsewhere. The place of a node is t = a / (a + b): a is its way along the graph to the nearest handle, b to the
-/// nearest constrained part but that handle.
-/// \param tag of each node: 0 fixed, 1 free, others: handles, each by a number of its own
+/// Multiplies the weights of the edges, so that the surface is softer where \p falloff bends it, and stiffer elsewhere.
+/// The factor of an edge depends on t = a / (a + b) at its middle: a is the distance along the graph to the nearest
+/// handle, b to the nearest other constrained part.
+/// \param tag of each node: 0 fixed, 1 free, any other number: the handle of that number
 void WeighFalloff(DeformationGraph &graph, const std::vector<Index> &tag, Falloff falloff);
 
 } // namespace vcg::fcd

@@ -25,7 +25,7 @@ HeldNodes HoldNodes(const SurfaceGraph &surface, const std::vector<int> &slotTag
             if (free)
                 found.push_back(u);
         });
-    std::map<std::size_t, std::size_t> isolated; // point handles by slot, where no surface is
+    std::map<std::size_t, std::size_t> isolated; // point handles where there is no surface, by slot
     for (std::size_t i = 0; i < point.size(); ++i) {
         const std::string name = "Point handle " + std::to_string(i + 1);
         const Index node = surface.nodeOf[point[i]];
@@ -51,7 +51,7 @@ HeldNodes HoldNodes(const SurfaceGraph &surface, const std::vector<int> &slotTag
 namespace detail {
 
 void ExpectNear(const Frame &frame, const Eigen::Matrix4d &motion, const std::string &name) {
-    const double most = 1e30; // frame units; floats end at 3e38
+    const double most = 1e30; // frame units; the largest float is 3e38
     if (!(frame.ToFrame(motion).matrix().cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= most))
         throw BadInput(name +
                        " moves too far: beyond 1e30 times the size of the mesh. Check its motion, and the pose.");
@@ -78,7 +78,7 @@ void TurnTogether(const DeformationGraph &graph, const std::vector<Index> &tag, 
     forConstrained([&](const Eigen::Vector3d &x, const Eigen::Vector3d &y) {
         s += (x - before / count) * (y - after / count).transpose();
     });
-    // Where few points leave the rotation open, none is preferred.
+    // Where few points leave the rotation open, no rotation is preferred.
     const Eigen::Matrix3d rotation = FitRotation(s + 1e-3 * s.norm() * Eigen::Matrix3d::Identity());
     for (Index j = 0; j < graph.Size(); ++j)
         if (given.compliant[j] && HeldNodes::IsSingle(tag[patches.center[j]])) {
@@ -168,7 +168,7 @@ void OpenSmallParts(const Graph &surface, const std::vector<Index> &tag, const S
     for (std::size_t u = 0; u < tag.size(); ++u)
         if (small.isIn[u])
             open[u] = 1;
-    std::vector<char> dropped(patches.Size(), 0); // those that the part is near the centre of
+    std::vector<char> dropped(patches.Size(), 0); // patches with a small part near their centre
     for (Index c : small.center)
         for (Index v : surface.adjacency[c]) {
             const Index p = patches.patchOf[v];

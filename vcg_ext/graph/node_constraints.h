@@ -7,11 +7,11 @@
 
 namespace vcg::fcd {
 
-/// What holds the nodes of a deformation graph of k nodes, and how they move.
+/// Which nodes of a deformation graph of k nodes are constrained, and how they move.
 struct NodeConstraints {
     std::vector<bool> constrained;       ///< k flags: the position is given
-    std::vector<bool> compliant;         ///< k flags: of constrained nodes whose rotation is not given
-    std::vector<double> heldArea;        ///< k, as GraphDeformer takes it
+    std::vector<bool> compliant;         ///< k flags: constrained, but the rotation is free
+    std::vector<double> heldArea;        ///< k, frame units^2: held area behind a compliant node, see GraphDeformer
     std::vector<Eigen::Affine3d> motion; ///< k, of constrained nodes, frame units
 };
 

@@ -13,34 +13,34 @@
 
 namespace vcg::fcd {
 
-/// An affine motion, and the way there: any percentage of it.
+/// An affine motion, and the path to it: any percentage of the motion. Units are those of the matrix: mesh or world.
 struct Motion {
-    Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity(); ///< the whole motion, mesh units
+    Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity(); ///< the whole motion
 
-    /// The rotation where it goes half a turn or further, which the matrix cannot tell: along its axis, as long as its
-    /// angle in radians. 0: the shortest rotation to the matrix.
+    /// Rotation vector of a rotation by half a turn or more, which the matrix cannot tell. 0: the shortest rotation of
+    /// the matrix.
     Eigen::Vector3d turn = Eigen::Vector3d::Zero();
-    Eigen::Vector3d pivot = Eigen::Vector3d::Zero(); ///< a point on the axis of turn, mesh units at rest
+    Eigen::Vector3d pivot = Eigen::Vector3d::Zero(); ///< a point on the axis of turn, at rest
 
     Motion() = default;
 
-    /// \throw BadInput when \p m is not affine, not finite, mirrors or flattens
+    /// \throw BadInput \p m is not affine or not finite, mirrors or flattens
     explicit Motion(const Eigen::Matrix4d &m);
 
-    /// A motion that rotates by \p wholeTurn (along the axis, as long as the angle in radians, any number of full
-    /// turns) about an axis through \p point. The shortest rotation is taken instead where \p wholeTurn is less than
-    /// half a turn, not finite, or not the rotation of \p m. \throw BadInput as above
+    /// A motion that rotates by the rotation vector \p wholeTurn, with any number of full turns, about an axis through
+    /// \p point. If \p wholeTurn is less than half a turn, not finite, or not the rotation of \p m, it is ignored.
+    /// \throw BadInput as above
     Motion(const Eigen::Matrix4d &m, const Eigen::Vector3d &wholeTurn, const Eigen::Vector3d &point);
 
-    /// The rotation of the whole way: along its axis, as long as its angle in radians.
+    /// The rotation vector of the whole motion, with full turns.
     Eigen::Vector3d Rotation() const;
-    /// Whether it does more than shift.
+    /// Whether it is more than a translation.
     bool Turns() const { return matrix.topLeftCorner<3, 3>() != Eigen::Matrix3d::Identity() || !turn.isZero(0); }
 
-    /// The motion at \p percent of its way, seen from \p center: the point goes along a screw, the rotation by the
-    /// fraction of its angle, scaling by the power. With a turn, the point goes about the pivot's axis by the fraction
-    /// of the turn, and straight by the fraction of what that leaves. 100 is the motion itself, to the bit; 0 the
-    /// identity; beyond 100 it goes on.
+    /// The motion at \p percent of its path. \p center moves along a screw; the rotation has the fraction of the angle,
+    /// the scaling is raised to the power of the fraction. With a turn, \p center turns about the pivot's axis by the
+    /// fraction of the turn, and the rest of its way is straight. 0 is the identity, 100 the motion to the bit; the
+    /// path goes on beyond 100.
     Eigen::Matrix4d At(double percent, const Eigen::Vector3d &center) const;
 
   private:
@@ -58,34 +58,34 @@ struct Motion {
 /// BadInput a number that is no longer finite
 Motion Blend(const std::vector<std::pair<Motion, double>> &motions, const Eigen::Vector3d &center);
 
-/// A landmark: a single vertex that is put somewhere, while the surface turns freely there.
+/// A point handle: a single vertex with a given position, where the surface turns freely.
 struct PointHandle {
     std::size_t vertex;     ///< slot of a free vertex
-    Eigen::Vector3d target; ///< where it goes, mesh units
+    Eigen::Vector3d target; ///< its position, mesh units
 };
 
-/// Which vertices are held and how they move.
+/// The vertices that are held, and their motions.
 struct Handles {
-    std::vector<int>
-        tag; ///< one per vertex slot: 0 fixed, 1 free, >= 2 handle, negative = outside the region of influence
-    std::map<int, Motion> motion;   ///< by handle tag, in the world; a handle without one stays where it is
+    /// One per vertex slot: 0 fixed, 1 free, >= 2 handle, negative: outside the region of influence.
+    std::vector<int> tag;
+    std::map<int, Motion> motion;   ///< by the tag of the handle, world units; a handle without one stays in place
     std::vector<PointHandle> point; ///< in addition to the tags
-    /// The matrix of the layer: from mesh units to the world, in which motions are given and lengths are measured.
+    /// The matrix of the layer, from mesh units to world units. Lengths are measured in world units.
     Eigen::Affine3d world = Eigen::Affine3d::Identity();
 
-    /// \param motion in the world \return the same motion in mesh units
+    /// \param motion world units \return the same motion in mesh units
     Eigen::Matrix4d ToMesh(const Eigen::Matrix4d &motion) const;
 };
 
-/// The tag of a deleted vertex slot, in arrays of tags without a mesh beside them.
+/// The tag of a deleted vertex slot.
 constexpr int noVertex = std::numeric_limits<int>::min();
 
-/// Live vertices by their tag.
+/// The number of vertices with each kind of tag, without deleted ones.
 struct TagCount {
     Index fixed = 0, handle = 0, free = 0, outside = 0;
 };
 
-/// \throw BadInput when \p tag has not one value for each of \p slots
+/// \throw BadInput \p tag does not have \p slots values
 void ExpectTags(const std::vector<int> &tag, std::size_t slots);
 
 /// \param tag one per vertex slot \param deleted flags of slots that do not count; null: none

@@ -11,7 +11,7 @@ namespace vcg::fcd {
 
 namespace {
 
-/// The words of a motion text: ':', ';', ',' and what stands between these and whitespace.
+/// Reads a motion text by words: ':', ';', ',' and what these and white space separate.
 class MotionTextReader {
   public:
     MotionTextReader(const std::string &text, const std::string &name) : text(text), name(name) { Next(); }
@@ -87,7 +87,7 @@ class MotionTextReader {
         return point;
     }
 
-    /// Reads the numbers \p from to \p count (of \p what, for messages).
+    /// Reads the numbers [from, count). \param what names all of them, for messages
     void ReadNumbers(const char *what, int count, double *number, int from = 0) {
         for (int i = from; i < count; ++i) {
             while (i > 0 && Is(","))
@@ -137,7 +137,7 @@ class MotionTextReader {
     [[noreturn]] void Fail(const std::string &what) const { Fail(what, begin); }
 
     [[noreturn]] void Fail(const std::string &what, std::size_t at) const {
-        std::size_t character = 1; // bytes that continue one in UTF-8 do not count
+        std::size_t character = 1; // continuation bytes of UTF-8 do not count
         for (std::size_t i = 0; i < at; ++i)
             character += (text[i] & 0xC0) != 0x80;
         throw BadInput(name + ", character " + std::to_string(character) + ": " + what + ".");
@@ -209,7 +209,7 @@ Motion ToMotion(const std::vector<MotionStep> &steps, const Eigen::Vector3d &bar
             degrees += !parallel               ? std::numeric_limits<double>::quiet_NaN()
                        : axis.dot(axisNow) < 0 ? -step.degrees
                                                : step.degrees;
-            // Full turns are left out of the matrix exactly.
+            // Without full turns, exactly.
             change.linear() = detail::RotationBy(std::remainder(step.degrees, 360) * radian, axisNow);
             change = there * change * back;
             break;

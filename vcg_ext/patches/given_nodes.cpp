@@ -9,7 +9,7 @@
 
 namespace vcg::fcd::detail {
 
-/// The median distance of positions to the nearest other one; infinite for a single one.
+/// The median distance of positions from the nearest other one; infinite for a single one.
 static float SpacingOf(const PointTree<float> &tree, const Eigen::Matrix3Xf &position) {
     if (position.cols() < 2)
         return std::numeric_limits<float>::infinity();
@@ -28,11 +28,11 @@ std::vector<Index> NearestNodes(const PositionsRef &rest, const SurfaceGraph &su
     for (Index i = 0; i < k; ++i) {
         if (!centers.col(i).allFinite())
             throw BadInput("A node of the deformation graph has a coordinate that is not a finite number.");
-        const double most = 1e15; // squares of it are floats
+        const double most = 1e15; // its square is still a float
         position.col(i) =
             surface.frame.ToFrame(Eigen::Vector3d(centers.col(i))).cwiseMin(most).cwiseMax(-most).cast<float>();
     }
-    // What lies beside held vertices alone is on the mesh, too.
+    // Distances from the nodes of the free surface; those from other held vertices follow below.
     std::vector<float> distance(k, std::numeric_limits<float>::infinity());
     std::vector<Index> nearest(k, -1);
     if (surface.graph.Size() > 0) {
@@ -42,7 +42,7 @@ std::vector<Index> NearestNodes(const PositionsRef &rest, const SurfaceGraph &su
             distance[i] = (surface.graph.position.col(nearest[i]) - position.col(i)).norm();
         }
     }
-    // As far as patches reach: half-way to the next centre, or as k of them do that share the surface.
+    // The radius of a patch: half-way to the next centre, or that of k patches that share the surface.
     const double shared = std::sqrt(surface.area / (double(EIGEN_PI) * double(k)));
     const double patchRadius =
         std::min(0.25, std::max(shared, 0.5 * double(SpacingOf(PointTree<float>(position), position))));

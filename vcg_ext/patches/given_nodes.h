@@ -11,10 +11,11 @@ namespace vcg::fcd {
 
 namespace detail {
 
-/// The nodes of \p surface nearest to \p centers (3 x k, mesh units), each once, without those that are held. Left out
-/// are centres further from the mesh than centres are from each other: they belong elsewhere.
-/// \param rest 3 x vertex slots \param tag one per vertex slot \param nodeTag n, 1 where free \param placed how many
-/// centres are not left out \throw BadInput when these are less than half of them
+/// The free nodes of \p surface nearest to \p centers (3 x k, mesh units), each once. Centres that are farther from the
+/// mesh than a patch reaches lie elsewhere, and are left out.
+/// \param rest 3 x vertex slots, mesh units \param tag one per vertex slot \param nodeTag of each node, 1: free
+/// \param placed out: number of centres that are not left out
+/// \throw BadInput less than half of the centres are on the mesh, or one is not finite
 std::vector<Index> NearestNodes(const PositionsRef &rest, const SurfaceGraph &surface, const std::vector<int> &tag,
                                 const std::vector<Index> &nodeTag, const Eigen::Matrix3Xd &centers, Index &placed);
 

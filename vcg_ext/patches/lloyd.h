@@ -23,7 +23,7 @@ namespace vcg::fcd {
 
 namespace detail {
 
-/// What each node counts: \p mass over the mean of it, or 1; 0 for a node that does not take part.
+/// The mass of each node over the mean mass; 1 without \p mass; 0 for nodes that do not take part.
 inline std::vector<float> Masses(const Graph &graph, const std::vector<Index> &tag, const std::vector<float> &mass) {
     std::vector<float> each;
     AssignLarge(each, graph.Size(), 1.f);
@@ -41,12 +41,11 @@ inline std::vector<float> Masses(const Graph &graph, const std::vector<Index> &t
     return each;
 }
 
-/// A random node of each of \p count stretches of equal mass: different nodes with a mass, ascending. In Morton order,
-/// stretches are parts of the surface, of equal area where that is the mass, so that no part of it is left without a
-/// seed. Fewer than \p count where stretches are shorter than a node.
-/// \param mass n values
+/// Random seeds: a node from each of \p count stretches of equal mass, different ones, ascending. In Morton order, a
+/// stretch is a part of the surface, so no part is left without a seed. Fewer than \p count if a stretch is less than a
+/// node. \param mass n values
 inline std::vector<Index> RandomSample(const std::vector<float> &mass, Index count, unsigned seed) {
-    // The standard's distributions differ between libraries, the engine's numbers do not.
+    // Not std::uniform_real_distribution, which differs between libraries; the engine does not.
     std::mt19937_64 random(seed);
     const double total = std::accumulate(mass.begin(), mass.end(), 0.0);
     std::vector<Index> sample;
@@ -65,8 +64,8 @@ inline std::vector<Index> RandomSample(const std::vector<float> &mass, Index cou
     return sample;
 }
 
-/// Lloyd's iteration with splits. A node may stand for several spread over a ball around it (extent), and distances are
-/// measured to the barycentres then; no extents: a centre is where its node is.
+/// Lloyd's iteration with splits. A node may stand for a cluster of nodes, in a ball of radius extent around it; then
+/// distances are measured to the barycentres of patches. Without extents, they are measured to the central nodes.
 struct Lloyd {
     const Graph &graph;
     const std::vector<Index> &tag;
@@ -76,14 +75,14 @@ struct Lloyd {
 
     PatchGrower grower{graph, tag};
     std::vector<Center> center;  ///< of the patches
-    std::vector<Index> farthest; ///< of each patch, from its centre
-    std::vector<float> radius;   ///< distance of the farthest node, its extent included
+    std::vector<Index> farthest; ///< of each patch: the node farthest from its centre
+    std::vector<float> radius;   ///< the distance of that node, plus its extent
     double cost = 0;             ///< Eq. 1
 
     Lloyd(const Graph &graph, const std::vector<Index> &tag, const std::vector<float> &mass, unsigned threads)
         : graph(graph), tag(tag), mass(mass), threads(threads) {}
 
-    /// Radius, farthest node and cost for the present patches and centres.
+    /// Sets radius, farthest and cost for the present patches and centres.
     void Measure() {
         struct Part {
             std::vector<float> radius;
@@ -142,7 +141,7 @@ struct Lloyd {
             for (Index u = first; u < last; ++u) {
                 if (grower.patchOf[u] < 0)
                     continue;
-                const float m = std::max(mass[u], 1e-30f); // a patch of nodes without mass has a barycentre, too
+                const float m = std::max(mass[u], 1e-30f); // so that a patch without mass has a barycentre
                 Sum &s = sum[grower.patchOf[u]];
                 s.position += (m * graph.position.col(u)).cast<double>();
                 s.mass += m;
@@ -182,7 +181,7 @@ struct Lloyd {
         }
     }
 
-    /// The farthest node of every patch that reaches beyond \p D: new centres, one split a patch.
+    /// New centres that split patches: the farthest node of every patch that reaches beyond \p D.
     std::vector<Center> Splits(double D) const {
         std::vector<Center> added;
         for (std::size_t p = 0; p < center.size(); ++p)
@@ -191,15 +190,15 @@ struct Lloyd {
         return added;
     }
 
-    /// Grows, splits and moves the centres until the cost stops falling and no patch reaches beyond D.
-    /// \param history of this iteration and of those before it, which count towards maxIterations
+    /// Grows patches, splits them and moves the centres, until the cost stops falling and no patch reaches beyond D.
+    /// \param history in, out: all iterations so far, which count towards maxIterations \return whether it converged
     bool Iterate(const PatchParam &param, std::vector<SamplingStep> &history, const Progress &progress) {
         double previous = std::numeric_limits<double>::infinity();
         bool converged = false;
         while (!converged && int(history.size()) < param.maxIterations) {
             const Stopwatch watch;
             const int iterations = int(history.size());
-            // Most runs end after 10 to 30 iterations, whatever the maximum.
+            // Most runs end after 10 to 30 iterations, so progress does not go by the maximum.
             const double from = Done(iterations, param), to = Done(iterations + 1, param);
             grower.Grow(center, param.targetRadius / 128, progress.Slice(from, to));
             Measure();
@@ -213,7 +212,7 @@ struct Lloyd {
                 added = Splits(param.targetRadius);
                 converged = added.empty();
             }
-            // Centres that no growth would follow are left out, and so is one that the patch's own centre has moved to.
+            // Add no centres after the last growth, nor one that the patch's own centre has moved to.
             if (int(history.size()) < param.maxIterations)
                 for (const Center &c : added)
                     if (center[grower.patchOf[c.node]].node != c.node)
@@ -228,8 +227,8 @@ struct Lloyd {
     }
 
   private:
-    /// The nodes are visited in this many parts, so that sums do not depend on the number of threads; one where a patch
-    /// has so few nodes that the parts' lists of patches would be long.
+    /// The nodes are visited in this many parts, so that sums do not depend on the number of threads: one part if
+    /// patches have so few nodes that the parts' lists of patches would be long.
     std::size_t Parts() const {
         return std::max<std::size_t>(1, std::min<std::size_t>(16, graph.Size() / (64 * center.size() + 1)));
     }

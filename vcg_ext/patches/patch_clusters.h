@@ -15,20 +15,18 @@
 
 namespace vcg::fcd::detail {
 
-/// What progress reports.
+/// The name of the stage, for Progress.
 constexpr const char *samplingStage = "Sampling patches";
 
-/// Nodes of \p graph that take part joined into small connected clusters: the components of the cells of a regular
-/// grid.
+/// Small connected clusters of the nodes that take part: the components of the cells of a regular grid.
 struct Clusters {
     Graph graph;                  ///< a node per cluster, at its barycentre; edges where clusters touch
-    std::vector<Index> clusterOf; ///< of each node, -1 for one that does not take part
-    std::vector<float> mass;      ///< of the nodes of each cluster
-    std::vector<float> extent;    ///< distance from the barycentre to the farthest node
+    std::vector<Index> clusterOf; ///< of each node; -1: does not take part
+    std::vector<float> mass;      ///< of each cluster
+    std::vector<float> extent;    ///< of each cluster: distance from its barycentre to its farthest node
 };
 
-/// The cells of a regular grid that hold the nodes, which must be in Morton order.
-/// \param bits the cells' side is 2^-bits
+/// The cells of a regular grid that hold nodes. \param graph in Morton order \param bits the side of a cell is 2^-bits
 /// \return the first node of each cell, and the number of nodes
 inline std::vector<Index> CellBegins(const Graph &graph, int bits, const Progress &progress) {
     const int shift = 30 - 3 * bits;
@@ -43,7 +41,7 @@ inline std::vector<Index> CellBegins(const Graph &graph, int bits, const Progres
     return begin;
 }
 
-/// Barycentre, mass and extent of the clusters, from the nodes of each cell.
+/// Sets barycentre, mass and extent of the clusters.
 inline void MeasureClusters(const Lloyd &nodes, const std::vector<Index> &cellBegin, Clusters &c, Index clusters,
                             const Progress &progress) {
     const Graph &graph = nodes.graph;
@@ -59,7 +57,7 @@ inline void MeasureClusters(const Lloyd &nodes, const std::vector<Index> &cellBe
         });
     };
     forEach(progress.Slice(0, 0.5), [&](Index u, Index i) {
-        const float mass = std::max(nodes.mass[u], 1e-30f); // a cluster of nodes without mass has a place, too
+        const float mass = std::max(nodes.mass[u], 1e-30f); // so that a cluster without mass has a barycentre
         c.graph.position.col(i) += mass * graph.position.col(u);
         c.mass[i] += mass;
     });
@@ -71,7 +69,7 @@ inline void MeasureClusters(const Lloyd &nodes, const std::vector<Index> &cellBe
     });
 }
 
-/// \param bits the cells' side is 2^-bits; the nodes must be in Morton order
+/// \param nodes in Morton order \param bits the side of a cell is 2^-bits
 inline Clusters MakeClusters(const Lloyd &nodes, int bits, const Progress &progress) {
     Clusters c;
     const std::vector<Index> cellBegin = CellBegins(nodes.graph, bits, progress.Slice(0, 0.1));
@@ -90,9 +88,9 @@ inline Clusters MakeClusters(const Lloyd &nodes, int bits, const Progress &progr
     return c;
 }
 
-/// Takes the nodes at the borders of the patches out of them, to be grown anew. A cluster is inner if no neighbouring
-/// cluster is in another patch. The nodes of inner clusters stay where inner clusters connect them with the patch's
-/// centre. \param lloyd of the nodes, with the patches of the clusters and their centres \param patchOf of each cluster
+/// Removes nodes near the borders of patches from these, to be grown again. The nodes of a cluster stay if no
+/// neighbouring cluster is in another patch, and such clusters connect it with the patch's centre.
+/// \param lloyd of the nodes, with the patches of their clusters \param patchOf of each cluster
 /// \return the nodes of clusters that stay beside one that does not
 inline std::vector<Index> ClearBorders(Lloyd &lloyd, const Clusters &clusters, const std::vector<Index> &patchOf,
                                        const Progress &progress) {
@@ -131,11 +129,10 @@ inline std::vector<Index> ClearBorders(Lloyd &lloyd, const Clusters &clusters, c
     });
 }
 
-/// Lloyd's iteration on clusters of the nodes instead of the nodes: close to the patches wanted, at a fraction of the
-/// cost. It is itself begun on coarser clusters. Leaves \p lloyd with grown patches and centres. Does nothing (and
-/// leaves no centres) where there are not enough nodes to a cluster or clusters to a patch.
-/// \param bits the finest cells tried have a side of 2^-bits, the coarsest of 2^-leastBits
-/// \return the bits of the finest cells used where the iteration has converged, else 0
+/// Lloyd's iteration on clusters of nodes, which comes close to the patches at a fraction of the cost; it begins on
+/// still coarser clusters. Sets patches and centres of \p lloyd. Does nothing, and sets no centres, if there are too
+/// few nodes a cluster or clusters a patch. \param bits cells have sides of 2^-bits at the finest, and 2^-leastBits at
+/// the coarsest \return the bits of the finest cells, if the iteration converged; else 0
 inline int SampleClusters(Lloyd &lloyd, const std::vector<Index> &seed, const PatchParam &param, int bits,
                           int leastBits, std::vector<SamplingStep> &history, const Progress &progress,
                           KeptClusters *kept = nullptr) {
@@ -158,7 +155,7 @@ inline int SampleClusters(Lloyd &lloyd, const std::vector<Index> &seed, const Pa
     Lloyd coarse(clusters.graph, allTakePart, clusters.mass, progress.threads);
     coarse.extent = clusters.extent;
     for (float &e : coarse.extent)
-        e *= 0.8f; // few nodes lie straight behind their cluster's barycentre
+        e *= 0.8f; // few nodes lie straight behind the barycentre of their cluster
     std::vector<bool> taken(count, false);
     for (Index s : seed)
         if (!taken[clusters.clusterOf[s]]) {
@@ -174,7 +171,7 @@ inline int SampleClusters(Lloyd &lloyd, const std::vector<Index> &seed, const Pa
             coarse.center.push_back({s, clusters.graph.position.col(s)});
     const bool converged = isEnough ? coarser > 0 : coarse.Iterate(param, history, progress.Slice(0.5, 0.6));
 
-    // On to the nodes: the one nearest each patch's barycentre.
+    // From clusters to nodes.
     const std::vector<Index> &patchOfCluster = coarse.grower.patchOf;
     std::vector<Index> &patchOf = lloyd.grower.patchOf;
     patchOf.resize(graph.Size());
@@ -183,7 +180,7 @@ inline int SampleClusters(Lloyd &lloyd, const std::vector<Index> &seed, const Pa
                     for (std::size_t u = first; u < last; ++u)
                         patchOf[u] = clusters.clusterOf[u] < 0 ? -1 : patchOfCluster[clusters.clusterOf[u]];
                 });
-    // The last step of the iteration may have added centres; they come with the nodes' own iteration.
+    // Leave out centres that the last iteration added: no patch was grown from them.
     lloyd.center.resize(1 + *std::max_element(patchOfCluster.begin(), patchOfCluster.end()));
     lloyd.UpdateCenters();
     if (param.rough)

@@ -15,24 +15,24 @@
 
 namespace vcg::fcd::detail {
 
-/// Where a patch grows from, and what distances are measured to.
+/// The node that a patch grows from, and the position that distances are measured to.
 struct Center {
     Index node;
     Eigen::Vector3f position;
 };
 
-/// Grows patches from centres along the connectivity, nearest node first (Euclidean distance to the patch's centre),
-/// over nodes of tag 1 (no tags: over all). Keeps its buffers between calls.
+/// Grows patches from centres along edges, over nodes of tag 1 (without tags: all), nearest node first by straight
+/// distance from the centre. Keeps its buffers between calls.
 class PatchGrower {
   public:
     PatchGrower(const Graph &graph, const std::vector<Index> &tag) : graph(graph), tag(tag) {}
 
-    std::vector<Index> patchOf; ///< result of Grow; -1 for nodes of other tags
+    std::vector<Index> patchOf; ///< the result; -1 for nodes of other tags
 
     bool TakesPart(Index u) const { return tag.empty() || tag[u] == 1; }
 
-    /// Assigns every node that takes part to a patch. Where no centre leads, a node becomes one: \p center grows.
-    /// \param step width of a distance class; the order within a class is left open
+    /// Assigns every node that takes part to a patch. In a component without a centre, a node is added to \p center.
+    /// \param step width of a distance class; within a class, nodes are assigned in any order
     void Grow(std::vector<Center> &center, double step, const Progress &progress = {}) {
         AssignLarge(patchOf, graph.Size(), Index(-1));
         Start(step, progress.threads);
@@ -41,8 +41,8 @@ class PatchGrower {
         Finish(center, progress);
     }
 
-    /// The same where patchOf is given already for some nodes, which must be connected to the centre of their patch
-    /// through such nodes; the others are -1. \param front those of them with a neighbour that is not assigned, or more
+    /// The same if patchOf is set for some nodes, which connect to the centre of their patch, and -1 for others.
+    /// \param front at least all set nodes that have a neighbour which is not set
     void GrowFrom(const std::vector<Index> &front, std::vector<Center> &center, double step, const Progress &progress) {
         Start(step, progress.threads);
         for (Index c = 0; c < Index(center.size()); ++c)

@@ -39,9 +39,8 @@ Patches SamplePatches(const Graph &graph, const std::vector<Index> &tag, const s
     std::vector<SamplingStep> history;
     detail::Lloyd lloyd(graph, tag, each, progress.threads);
     const double coarsest =
-        detail::BinaryLogarithm(3 / std::max(param.targetRadius, 1e-6)); // more than ten bits are not used
-    const int leastBits = std::max(1, int(std::ceil(coarsest))),
-              bits = std::min(leastBits + (param.rough ? 2 : 1), 10); // those of twice to eight times as many patches
+        detail::BinaryLogarithm(3 / std::max(param.targetRadius, 1e-6)); // Morton codes have ten bits
+    const int leastBits = std::max(1, int(std::ceil(coarsest))), bits = std::min(leastBits + (param.rough ? 2 : 1), 10);
     const int used = detail::SampleClusters(lloyd, seed, param, bits, leastBits, history, progress.Slice(0, 0.7), kept);
     const bool isEnough = param.rough && !lloyd.center.empty();
     bool converged = used > (isEnough ? 0 : leastBits);

@@ -7,33 +7,33 @@
 
 namespace vcg::fcd {
 
-/// By what the patches are balanced.
+/// What the patches have equal shares of.
 enum class PatchMeasure {
-    Area,    ///< of the surface, however densely it is sampled
-    Vertices ///< their number (paper, Eq. 1)
+    Area,    ///< the area of the surface, whatever its sampling
+    Vertices ///< the number of vertices (paper, Eq. 1)
 };
 
 /// How the deformation graph is built.
 struct GraphParam {
-    double targetRadius = 0; ///< D, mesh units, >= 0; 0 = 0.75 sqrt(area / Patches()), of the area that can bend
-    int initialPatches = 0;  ///< k0, >= 1; 0 = Patches(), and for a Deformer as many as the surface needs
+    double targetRadius = 0; ///< D, world units, >= 0; 0 = 0.75 sqrt(area / Patches()), of the area that can bend
+    int initialPatches = 0;  ///< k0, >= 1; 0 = Patches(), and automatic in a Deformer (PatchesFor)
     int maxIterations = 100; ///< >= 1
-    double tolerance = 1e-3; ///< of the cost, [0, 1)
+    double tolerance = 1e-3; ///< as of PatchParam, [0, 1)
     unsigned randomSeed = 1;
     PatchMeasure measure = PatchMeasure::Area;
 
-    /// How many to begin with: 300 where no number is given, and nothing asks for more or fewer.
+    /// The number of seeds: the given number, or else 300.
     int Patches() const { return initialPatches > 0 ? initialPatches : 300; }
 
     /// \throw BadInput naming the value that is out of range
     void Validate() const;
 };
 
-/// D in frame units. \param patchRadius as in ShapeConstants
+/// D, frame units. \param patchRadius as in ShapeConstants
 double TargetRadius(const SurfaceGraph &surface, const GraphParam &param, double patchRadius);
 
-/// The patches of the nodes of tag 1 (no tags: of all). \param D frame units, > 0 \param rough as in PatchParam
-/// \param kept as SamplePatches takes it
+/// SamplePatches of the nodes of tag 1 (without tags: all). \param D frame units, > 0 \param rough as in PatchParam
+/// \param kept as of SamplePatches
 Patches SampleSurface(const SurfaceGraph &surface, const std::vector<Index> &tag, const GraphParam &param, double D,
                       const Progress &progress, bool rough = false, KeptClusters *kept = nullptr);
 

@@ -15,9 +15,9 @@ namespace vcg::fcd {
 
 namespace {
 
-// By so little of what stretches it a map is drawn to the motion that the handles have in common, as only that decides
-// what smoothness leaves open: how a plane moves across itself, or all where handles are few. The softest bend costs
-// 10^5 times as much.
+// Share of its stretch by which a map is drawn to the common motion of the handles. It decides only what smoothness
+// leaves open: how a plane moves across itself, or all of the map if handles are few. The softest bend costs 10^5 times
+// as much.
 constexpr double leastStay = 1e-7;
 
 constexpr const char *stage = "Deforming the graph";
@@ -62,7 +62,7 @@ void AffineDeformer::ForTerms(const Stretch &stretch, const Bend &bend) const {
         }
 }
 
-/// Of node \p i's four numbers in x_i - x_j - A_end e, a row each coordinate. \param sign 1 for i, -1 for j
+/// The coefficients of node \p i's four unknowns (per coordinate) in x_i - x_j - A_end e. \param sign 1 for i, -1 for j
 Eigen::Vector4d AffineDeformer::Coefficients(Index i, Index end, double sign, const Eigen::Vector3d &way) const {
     Eigen::Vector4d c = Eigen::Vector4d::Zero();
     c[0] = unknown.constrained[std::size_t(i)] ? 0 : sign;
@@ -102,7 +102,7 @@ void AffineDeformer::Factorise(const PoseTerms &given, const Progress &progress)
         matrix.diagonal[b].diagonal().tail<3>().array() +=
             given.stiffness[i] * smooth + (rigidity + leastStay) * mass[i];
         if (unknown.constrained[i])
-            matrix.diagonal[b](0, 0) = 1; // no unknown
+            matrix.diagonal[b](0, 0) = 1; // its position is given
     }
     if (!factor.Analyse(matrix, detail::SparseFactor::most))
         throw Unsolvable("The deformation graph of " + std::to_string(graph.Size()) +
@@ -113,7 +113,7 @@ void AffineDeformer::Factorise(const PoseTerms &given, const Progress &progress)
                          "smoothness nearer to its default.");
 }
 
-/// Each node as \p common moves it, except what is given.
+/// The state with each node moved by \p common, and constrained ones by their motions.
 detail::GraphEnergy::State AffineDeformer::Base(const std::vector<Eigen::Affine3d> &motion,
                                                 const Eigen::Affine3d &common) const {
     const Index k = graph.Size();
@@ -136,8 +136,7 @@ Eigen::Vector3d AffineDeformer::Way(const State &x, const PoseTerms &given, Inde
            (unknown.constrained[std::size_t(j)] ? given.to[e] : Eigen::Vector3d(x.position.col(j)));
 }
 
-/// Of the system for what the unknowns change from \p base on, with all rotations those there, without what draws to
-/// these.
+/// The right side of the system for the change of the unknowns from \p base, without the term of the rigidity.
 Eigen::MatrixX3d AffineDeformer::RightSide(const State &base, const PoseTerms &given) const {
     Eigen::MatrixX3d right = Eigen::MatrixX3d::Zero(4 * Eigen::Index(unknown.rotation.size()), 3);
     const auto turn = [&](Index i, const Eigen::Matrix3d &by) {
@@ -164,7 +163,7 @@ Eigen::MatrixX3d AffineDeformer::RightSide(const State &base, const PoseTerms &g
     return right;
 }
 
-/// The global step: \p x by the solution from \p base on.
+/// The global step: sets \p x to \p base and the change that solves the system.
 void AffineDeformer::Solved(const State &base, const Eigen::MatrixX3d &right, State &x) const {
     const Eigen::MatrixX3d change = factor.Solve(right);
     for (Index i : unknown.rotation)
@@ -180,7 +179,8 @@ void AffineDeformer::FitRotations(State &x) const {
             detail::FitQuaternion(x.rotation[std::size_t(i)].transpose(), x.quaternion[std::size_t(i)]);
 }
 
-/// \param x its quaternions are of its maps \param open what all maps are drawn to \param shares if given: of each node
+/// \param x with the quaternions of its maps \param open the linear part that all maps are drawn to
+/// \param shares if not null, each node's share is added to it
 double AffineDeformer::Energy(const State &x, const PoseTerms &given, const Eigen::Matrix3d &open,
                               std::vector<double> *shares) const {
     double sum = 0;
@@ -225,7 +225,7 @@ GraphPose AffineDeformer::Solve(const std::vector<Eigen::Affine3d> &motion, cons
             const State guess = detail::InitialGuess(graph, unknown, *laplacian, motion, last, lastMotion);
             state.quaternion = guess.quaternion;
             Minimise(base, given, right, common.linear(), param, state, pose, progress);
-            const double nearby = 1; // half of two radian, as where GraphDeformer follows
+            const double nearby = 1; // half of 2 radians, as in GraphDeformer::Follow
             for (Index i : unknown.rotation)
                 if (last && std::abs(state.quaternion[std::size_t(i)].dot(guess.quaternion[std::size_t(i)])) <
                                 detail::Cosine(nearby))
@@ -245,7 +245,7 @@ GraphPose AffineDeformer::Solve(const std::vector<Eigen::Affine3d> &motion, cons
     return pose;
 }
 
-/// Takes local and global steps until \p state is at rest. \param state its quaternions are where to begin
+/// Makes local and global steps until \p state is at rest. \param state begins with its quaternions
 void AffineDeformer::Minimise(const State &base, const PoseTerms &given, const Eigen::MatrixX3d &right,
                               const Eigen::Matrix3d &common, const SolverParam &param, State &state, GraphPose &pose,
                               const Progress &progress) const {
@@ -264,7 +264,8 @@ void AffineDeformer::Minimise(const State &base, const PoseTerms &given, const E
         Solved(base, drawn, y);
         FitRotations(y);
     };
-    const auto pack = [&](const State &x, Eigen::VectorXd &v) { // maps times the length of an edge weigh as positions
+    const auto pack = [&](const State &x,
+                          Eigen::VectorXd &v) { // maps times the mean edge length, to weigh as positions
         double *at = v.data();
         for (Index i : unknown.rotation)
             at = std::transform(x.rotation[std::size_t(i)].data(), x.rotation[std::size_t(i)].data() + 9, at,
@@ -311,7 +312,7 @@ void AffineDeformer::Minimise(const State &base, const PoseTerms &given, const E
     }
 }
 
-/// How far a node moved at most; of its map, by that times the length of an edge.
+/// The largest change of a position, or of a map times the mean edge length.
 double AffineDeformer::LargestMove(const State &x, const State &y) const {
     double moved = 0;
     for (Index i : unknown.position)

@@ -20,36 +20,35 @@
 
 namespace vcg::fcd {
 
-/// Deforms a graph with a rigidity r below 1: as GraphDeformer does, but the map of a node is affine, A_i instead of
-/// R_i. The energy is Eq. 2 with these, and r / (1 - r) sum_i |A_i - R(A_i)|^2 sum_j w_ij |e_ij|^2, where R(A) is the
-/// rotation nearest to A: the regularisation of embedded deformation (SSP07) with a share of its rigidity. At 0, only
-/// how maps change between neighbours costs: as in a thin-plate spline, every affine map of all is free.
+/// Deforms a graph with a rigidity r below 1. Like GraphDeformer, but the map of a node is affine: A_i instead of R_i.
+/// The energy is Eq. 2 with A_i, plus r / (1 - r) sum_i |A_i - R(A_i)|^2 sum_j w_ij |e_ij|^2, where R(A) is the
+/// rotation nearest to A: the regularisation of embedded deformation (Sumner, Schmid and Pauly 2007). At r = 0, only
+/// differences between neighbours' maps cost: as with a thin-plate spline, one affine map of all nodes is free.
 ///
-/// With the rotations given, the energy is a square that is the same for each coordinate. It is factorised at
-/// construction: a system of four numbers a node. At 0, it is solved once. Otherwise it is solved in turns with the
-/// best rotations, accelerated (local and global steps), from where the motions of what is held lead.
+/// For given rotations, the energy is quadratic, with one matrix for all three coordinates: four unknowns a node. It is
+/// factorised at construction. At r = 0, it is solved once a pose. Otherwise global steps (this system) and local steps
+/// (the best rotations) alternate, accelerated, from the initial guess of GraphDeformer.
 class AffineDeformer {
   public:
-    /// The parameters are those of GraphDeformer. \param solver its smoothness, and its rigidity below 1, are those of
-    /// all poses
-    /// \throw Unsolvable when the system cannot be factorised, or takes too long \throw Cancelled
+    /// Parameters as of GraphDeformer. \param solver rigidity < 1; all poses have its rigidity and smoothness
+    /// \throw Unsolvable if the system cannot be factorised, or takes too long \throw Cancelled
     AffineDeformer(const DeformationGraph &graph, const std::vector<bool> &constrained, double area,
                    const std::vector<bool> &compliant, const std::vector<double> &heldArea, double heldDepth,
                    const SolverParam &solver, const Progress &progress = {});
 
-    /// As of GraphDeformer. At rigidity 0, \p last is not read: a pose does not depend on the way to it.
+    /// As GraphDeformer::Solve. At rigidity 0, \p last is not read: a pose does not depend on earlier ones.
     GraphPose Solve(const std::vector<Eigen::Affine3d> &motion, const SolverParam &param, const Progress &progress = {},
                     const GraphPose *last = nullptr, const std::vector<Eigen::Affine3d> &lastMotion = {}) const;
 
   private:
-    using State = detail::GraphEnergy::State; ///< its rotations are the maps A_i, its quaternions those of R(A_i)
+    using State = detail::GraphEnergy::State; ///< rotation: the maps A_i; quaternion: R(A_i)
     using PoseTerms = detail::GraphEnergy::PoseTerms;
 
     template <class Stretch, class Bend>
     void ForTerms(const Stretch &stretch, const Bend &bend) const;
     void Factorise(const PoseTerms &given, const Progress &progress);
     State Base(const std::vector<Eigen::Affine3d> &motion, const Eigen::Affine3d &common) const;
-    /// Where the four rows of node \p i begin: its position's, and its map's three.
+    /// The first of node \p i's four rows: one of its position, three of its map.
     Eigen::Index RowOf(Index i) const { return 4 * Eigen::Index(unknown.turnOf[std::size_t(i)]); }
     Eigen::Vector4d Coefficients(Index i, Index end, double sign, const Eigen::Vector3d &way) const;
     Eigen::Vector3d Way(const State &x, const PoseTerms &given, Index i, Index j, std::uint32_t e) const;
@@ -67,8 +66,8 @@ class AffineDeformer {
     const double smooth, rigidity; ///< alpha A; r / (1 - r)
     detail::GraphUnknowns unknown;
     detail::GraphEnergy energy;
-    std::optional<detail::GraphLaplacian> laplacian; ///< where it is solved in turns
-    std::vector<double> mass;                        ///< k, what a turn of a node moves
+    std::optional<detail::GraphLaplacian> laplacian; ///< for the initial guess; none at rigidity 0
+    std::vector<double> mass;                        ///< k, GraphEnergy::TurningMass
     detail::BlockFactor<4> factor;
     double edgeLength = 0; ///< mean
 };

@@ -13,7 +13,7 @@ class Anderson {
   public:
     explicit Anderson(std::size_t size) : differenceF(size, depth), differenceG(size, depth), f(size), g(size) {}
 
-    /// \param x where the iteration was \param gx in: where its step led; out: where to go on
+    /// \param x the iterate \param gx in: the result of its step; out: the next iterate
     void Mix(const Eigen::VectorXd &x, Eigen::VectorXd &gx) {
         if (steps > 0) {
             const int column = (steps - 1) % depth;
@@ -42,8 +42,8 @@ class Anderson {
                 gx -= theta[c] * differenceG.col(c);
     }
 
-    /// The largest ratio of the lengths of two successive steps, among the last ones. It is 1 until the memory is full:
-    /// first steps only show errors that vanish fast.
+    /// The largest ratio of the lengths of two successive steps among the last \p depth ones. It is 1 before there are
+    /// that many, since first steps only show errors that vanish fast.
     double Contraction() const {
         const int used = std::min(steps - 1, depth);
         return used < depth ? 1 : std::min(1.0, *std::max_element(contraction, contraction + depth));

@@ -14,17 +14,17 @@
 
 namespace vcg::fcd::detail {
 
-/// The affine motion that fits those of the constrained nodes best. What their places leave open is as the rotation
-/// that fits them best has it.
+/// The affine motion that fits the motions of the constrained nodes best. In directions that their positions leave
+/// open, it is the rotation that fits them best.
 inline Eigen::Affine3d CommonMotion(const DeformationGraph &graph, const GraphUnknowns &unknown,
                                     const std::vector<Eigen::Affine3d> &motion) {
     Eigen::Vector3d before = Eigen::Vector3d::Zero(), after = before;
     double count = 0;
     const auto forConstrained = [&](const auto &body) {
         for (Index i = 0; i < graph.Size(); ++i)
-            if (unknown.constrained[std::size_t(i)]) {
+            if (unknown.constrained[i]) {
                 const Eigen::Vector3d x = graph.graph.position.col(i).cast<double>();
-                body(x, Eigen::Vector3d(motion[std::size_t(i)] * x));
+                body(x, Eigen::Vector3d(motion[i] * x));
             }
     };
     forConstrained([&](const Eigen::Vector3d &x, const Eigen::Vector3d &y) {
@@ -41,7 +41,7 @@ inline Eigen::Affine3d CommonMotion(const DeformationGraph &graph, const GraphUn
     });
     const Eigen::Matrix3d s = posed.transpose();
     const Eigen::Matrix3d rotation = FitRotation(s + 1e-3 * s.norm() * Eigen::Matrix3d::Identity());
-    const double open = 1e-9 * rest.trace(); // floats tell no flatter places
+    const double open = 1e-9 * rest.trace(); // flatter sets of points are flat for floats
     Eigen::Affine3d common = Eigen::Affine3d::Identity();
     const Eigen::Matrix3d fitted = (posed - rotation * rest) * (rest + open * Eigen::Matrix3d::Identity()).inverse();
     common.linear() = rotation;

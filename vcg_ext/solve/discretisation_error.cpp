@@ -15,13 +15,14 @@ namespace vcg::fcd {
 
 namespace {
 
-/// Where the coarse graph takes the nodes of the fine one.
+/// Moves the nodes of the fine graph by a pose of the coarse one.
 class CoarseMapping {
   public:
     CoarseMapping(const CoarseGraph &coarse, const NodeConstraints &given, const GraphPose &pose)
         : graph(coarse.graph), given(given), pose(pose) {}
 
-    /// As GraphMapping: by what is around it, mean of the rotations at both ends. \param g its group
+    /// Like GraphMapping: blends the node's group and that group's neighbours, with the mean of the rotations at both
+    /// ends. \param g the group \param x its position at rest, frame units
     Eigen::Vector3d operator()(Index g, const Eigen::Vector3d &x) const {
         const auto begin = graph.graph.adjacency.begin[g], end = graph.graph.adjacency.begin[g + 1];
         double reach = 0; // squared
@@ -56,7 +57,7 @@ class CoarseMapping {
 
   private:
     Eigen::Vector3d At(Index g) const { return graph.graph.position.col(g).cast<double>(); }
-    /// The neighbour, or, where it is held, where its patch begins.
+    /// The neighbour's position at rest or, if it is held, the border of its patch.
     Eigen::Vector3d PlaceOf(Index g, std::uint32_t e) const {
         const Index j = graph.graph.adjacency.item[e];
         return graph.IsHeld(j) ? Eigen::Vector3d(At(g) - graph.edge.col(e).cast<double>()) : At(j);
@@ -77,7 +78,7 @@ double DiscretisationError(const DeformationGraph &graph, const std::vector<doub
         return 0;
     const CoarseGraph coarse = Coarsen(graph, area, given.constrained, weights, shape);
     const Index k = coarse.graph.Size();
-    if (k == graph.Size()) // nothing is joined, as in parts of a node each
+    if (k == graph.Size()) // nothing was merged, as in parts of one node
         return unknown;
     NodeConstraints ofGroups{std::vector<bool>(k), std::vector<bool>(k), std::vector<double>(k), {}};
     GraphPose begin;
@@ -93,7 +94,7 @@ double DiscretisationError(const DeformationGraph &graph, const std::vector<doub
         begin.position.col(g) = pose.position.col(i) + pose.linear[i] * way.cast<double>();
         begin.linear.push_back(pose.linear[i]);
         if (!pose.rests.empty())
-            begin.rests[std::size_t(g)] = pose.rests[std::size_t(i)];
+            begin.rests[g] = pose.rests[i];
     }
     std::vector<double> areas(std::size_t(k), 0);
     std::vector<Index> count(std::size_t(k), 0);
@@ -113,7 +114,7 @@ double DiscretisationError(const DeformationGraph &graph, const std::vector<doub
     for (Index i = 0; i < graph.Size(); ++i) {
         const Index g = coarse.groupOf[i];
         const Csr::Row row = coarse.graph.graph.adjacency[g];
-        const bool isAlone = count[std::size_t(g)] == 1 && // its part has no fewer nodes now
+        const bool isAlone = count[g] == 1 && // its part was not merged
                              std::all_of(row.begin(), row.end(), [&](Index j) { return ofGroups.constrained[j]; });
         if (given.constrained[i] || isAlone)
             continue;
@@ -123,7 +124,8 @@ double DiscretisationError(const DeformationGraph &graph, const std::vector<doub
         ++nodes;
         groups += coarse.leader[g] == i;
     }
-    const double coarser = detail::Power(nodes / groups, errorOrder / 2); // so many times the error of the finer one
+    const double coarser =
+        detail::Power(nodes / groups, errorOrder / 2); // error of the coarse pose over the fine one's
     return weight > 0 && coarser > 1 ? std::sqrt(sum / weight) / (coarser - 1) : unknown;
 }
 

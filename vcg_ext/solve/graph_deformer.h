@@ -29,19 +29,20 @@
 
 namespace vcg::fcd {
 
-/// SR-ARAP on a graph (Levi and Gotsman 2015; paper, Eqs. 2, 5 and 6 with the local step corrected: S_i sums
-/// w_ij (e_ij e'_ij^T + alpha A R_j^T)). The systems are factorised at construction, and solved as often as wanted.
+/// SR-ARAP on a graph of k nodes (Levi and Gotsman 2015; paper, Eqs. 2, 5 and 6, with the local step corrected: S_i is
+/// the sum of w_ij (e_ij e'_ij^T + alpha A R_j^T)). Factorises its systems once, at construction.
 ///
-/// Edges between a held and a free patch end at their border, where the held patch's motion begins; its rotation is an
-/// unknown as that of a free node, drawn to that of the region behind it. A component of the graph without a
-/// constrained node is not part of the system; its nodes come back at rest.
+/// An edge between a free and a held patch ends at their border. The rotation of a compliant node is unknown, as that
+/// of a free node, and drawn to the rotation of the held region behind it. A component of the graph without a
+/// constrained node stays at rest.
 class GraphDeformer {
   public:
-    /// \param constrained k flags: the node's position is given, and its rotation with it
+    /// \param graph must outlive this
+    /// \param constrained k flags: the position is given, and so is the rotation unless the node is compliant
     /// \param area A, frame units^2
-    /// \param compliant k flags, or empty for none: of constrained nodes whose rotation is free
-    /// \param heldArea k values, or empty for 0: of constrained nodes that turn, the area of what is held behind them,
-    ///        frame units^2, infinite for a region that goes on
+    /// \param compliant k flags, or empty for none: constrained, with a free rotation
+    /// \param heldArea k values, or empty for 0: held area behind a compliant node, frame units^2; infinite
+    ///        for a region that goes on
     /// \param heldDepth as in ShapeConstants
     /// \param smoothness of poses that are to be found in quasi-Newton steps
     /// \throw Unsolvable when the system cannot be factorised, or takes too long \throw Cancelled
@@ -58,11 +59,10 @@ class GraphDeformer {
 
     /// Whether node \p i is in a component with a constrained node.
     bool HasConstraint(Index i) const { return unknown.HasConstraint(i); }
-    /// \param motion k motions in frame units; those of unconstrained nodes are not read, and of those that turn the
-    ///        rotation is only where the iteration begins
-    /// \param last a pose of this graph to go on from, such as the last one of an animation, so that the shape changes
-    ///        as steadily as the motions do; null to begin at rest
-    /// \param lastMotion k, the motions of that pose; not read without it
+    /// \param motion k motions, frame units; read for constrained nodes only
+    /// \param last the pose to go on from, such as an animation's last one, so that the shape changes as steadily as
+    ///        the motions; null: from rest
+    /// \param lastMotion k, the motions of \p last
     GraphPose Solve(const std::vector<Eigen::Affine3d> &motion, const SolverParam &param, const Progress &progress = {},
                     const GraphPose *last = nullptr, const std::vector<Eigen::Affine3d> &lastMotion = {}) const {
         const Index k = graph.Size();
@@ -89,7 +89,8 @@ class GraphDeformer {
         return pose;
     }
 
-    /// How far \p pressure (k values) moves the free nodes, smoothly, up to its size. 0 for those that are given.
+    /// How far \p pressure (k values) moves the free nodes; see GraphLaplacian::Spread. \return k values, 0 for
+    /// constrained nodes
     Eigen::VectorXd Spread(const Eigen::VectorXd &pressure) const {
         Eigen::VectorXd way = Eigen::VectorXd::Zero(pressure.size());
         Eigen::VectorXd known(Eigen::Index(unknown.position.size()));
@@ -107,9 +108,10 @@ class GraphDeformer {
     using State = detail::GraphEnergy::State;
     using PoseTerms = detail::GraphEnergy::PoseTerms;
 
-    /// Brings \p state to rest near where it begins: by some steps downwards, where these soon end there, as they do
-    /// where the shape is stable; otherwise to where the energy is stationary.
-    /// \param goesOn from another pose; otherwise from rest
+    /// Brings \p state to rest near where it begins. Where the shape is stable, a hundred descending steps do that.
+    /// Otherwise, Newton's method looks for a stationary state nearby, which may be a saddle. If there is none, the
+    /// state descends to rest wherever that leads.
+    /// \param goesOn whether it begins at another pose, not at rest
     void Follow(const PoseTerms &given, const SolverParam &param, bool goesOn, State &state, GraphPose &pose,
                 const Progress &progress) const {
         const int few = std::min(param.maxIterations, 100); // where it is stable, 8 to 70 do
@@ -145,7 +147,7 @@ class GraphDeformer {
     /// ones where \p param asks for these, or there is no Hessian. Counts them in \p pose.
     void Minimise(const PoseTerms &given, const SolverParam &param, int most, State &state, GraphPose &pose,
                   const Progress &progress) const {
-        // A step that is rho times the one before it is followed by 1 / (1 - rho) times as much in all.
+        // If each step is rho times the one before it, 1 / (1 - rho) times the step is left in all.
         const Eigen::Matrix3Xd rest = graph.graph.position.cast<double>();
         const double still = Still(param), rounding = Rounding(rest, state),
                      noise = rounding * energy.Weight() / double(unknown.rotation.size());
@@ -193,8 +195,8 @@ class GraphDeformer {
     }
 
     struct Work {
-        std::vector<Eigen::Matrix3d> s; // k, of Eq. 5
-        Eigen::Matrix3Xd solved;        // of Eq. 6: a column per unknown position in the order of the factorisation
+        std::vector<Eigen::Matrix3d> s; // k, S_i of Eq. 5
+        Eigen::Matrix3Xd solved;        // of Eq. 6: a column per unknown position, in the order of the factorisation
     };
 
     /// One local and one global step. The energy cannot rise.
@@ -207,20 +209,20 @@ class GraphDeformer {
             y.position.col(unknown.position[u]) = work.solved.col(laplacian.ColumnOf(u));
     }
 
-    /// What a step is off by. A rotation is fitted to 1e-14, 64 times what doubles round by (FitQuaternion), which
-    /// shows at the size of the positions and adds up along a chain of all nodes.
+    /// The rounding error of a step. A rotation is fitted to 1e-14, 64 times the precision of doubles (FitQuaternion).
+    /// Times the size of the positions, this adds up along a chain of all nodes.
     double Rounding(const Eigen::Matrix3Xd &rest, const State &x) const {
         const double size = std::max(rest.cwiseAbs().maxCoeff(), x.position.cwiseAbs().maxCoeff());
         return 64 * std::numeric_limits<double>::epsilon() * double(unknown.rotation.size()) * size;
     }
 
-    /// Whether a step is nothing but that; then how much it shrank tells nothing. A system of few nodes is there before
-    /// Anderson's window is full. \param moved as of LargestMove
+    /// Whether a step is no more than rounding; then its length tells nothing. A system of few nodes gets there before
+    /// Anderson's window is full. \param moved LargestMove of the step
     bool IsRounding(const State &x, const State &y, double moved, double rounding) const {
         if (moved <= rounding)
             return true;
-        // A rotation that its edges leave open stays by 1e-6 of them (stay of GraphEnergy), and turns by so much more
-        // without moving anything.
+        // A rotation that its edges leave open is held by 1e-6 of them (GraphEnergy::stay), so rounding turns it by 1e6
+        // times as much, without moving anything.
         if (moved > 1e6 * rounding)
             return false;
         double shown = 0;
@@ -238,26 +240,26 @@ class GraphDeformer {
         return (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).cast<double>().norm();
     }
 
-    /// The largest angle by which a rotation differs, radians.
+    /// The largest angle between a node's rotations in \p x and \p y, radians.
     double LargestTurn(const State &x, const State &y) const {
-        double cosine = 1; // of half of it
+        double cosine = 1; // of half the angle
         for (Index i : unknown.rotation)
             cosine = std::min(cosine, std::abs(x.quaternion[i].dot(y.quaternion[i])));
         return 2 * detail::ArcCosine(cosine);
     }
 
-    /// How far a node moved at most; where its position is given, by how much it turned, times the length of an edge.
+    /// The largest move of a free node, or turn of a compliant one times the mean edge length.
     double LargestMove(const State &x, const State &y) const {
         double moved = 0;
         for (Index i : unknown.position)
             moved = std::max(moved, (y.position.col(i) - x.position.col(i)).squaredNorm());
         for (Index i : unknown.rotation)
-            if (unknown.constrained[i]) // the others' turn shows in how they move
+            if (unknown.constrained[i]) // turns of free nodes show in how they move
                 moved = std::max(moved, (y.rotation[i] - x.rotation[i]).squaredNorm() * edgeLength * edgeLength);
         return std::sqrt(moved);
     }
 
-    /// The unknowns as one vector: positions, and quaternions times twice the length of an edge, so that both weigh
+    /// The unknowns as one vector: positions, and quaternions times twice the mean edge length, so that both weigh
     /// about the same.
     void Pack(const State &x, Eigen::VectorXd &v) const {
         double *at = v.data();

@@ -16,8 +16,8 @@
 
 namespace vcg::fcd::detail {
 
-/// The energy of SR-ARAP on a deformation graph of k nodes (Eq. 2), and what minimises it: the best rotations at given
-/// positions (Eq. 5), and the right side of the linear system for the best positions at given rotations (Eq. 6).
+/// The energy of SR-ARAP on a deformation graph of k nodes (Eq. 2), and its two minimisations: the best rotations at
+/// given positions (Eq. 5), and the right side of the system for the best positions at given rotations (Eq. 6).
 class GraphEnergy {
   public:
     /// The variables of the energy: positions and rotations of the nodes, frame units.
@@ -28,18 +28,17 @@ class GraphEnergy {
         double energy;
     };
 
-    /// The constants of the energy in one pose: smoothness, given rotations, and constrained ends of edges.
+    /// The terms of the energy that are constant while one pose is solved.
     struct PoseTerms {
-        double smooth; ///< alpha A
-        std::vector<Eigen::Matrix3d>
-            anchor; ///< k, the rotation of the region, that draws the rotation of a compliant node
-        std::vector<Eigen::Vector4d> anchorQuaternion;
-        std::vector<double> stiffness;       ///< k, weight of the anchor: the w of Eq. 2
-        std::vector<Eigen::Matrix3d> linear; ///< k, of nodes whose rotation is given; may scale
-        std::vector<Eigen::Vector3d> from;   ///< the ends of each adjacency item's edge, where constrained nodes give
-        std::vector<Eigen::Vector3d> to;     ///< them
-        Eigen::MatrixX3d right;              ///< of the global step: what the constrained ends contribute
-        double energy = 0;                   ///< of the edges between nodes whose rotations are given
+        double smooth;                       ///< alpha A
+        std::vector<Eigen::Matrix3d> anchor; ///< k: a compliant node's rotation is drawn to this one, of its region
+        std::vector<Eigen::Vector4d> anchorQuaternion; ///< k, the same
+        std::vector<double> stiffness;                 ///< k, weight of the anchor: its w in Eq. 2
+        std::vector<Eigen::Matrix3d> linear;           ///< k, linear parts of the motions; they may scale
+        std::vector<Eigen::Vector3d> from;             ///< of each adjacency item's edge: its end at node i,
+        std::vector<Eigen::Vector3d> to;               ///< and at neighbour j; read where that node is constrained
+        Eigen::MatrixX3d right; ///< of the global step, a row each unknown position: share of the constrained ends
+        double energy = 0;      ///< of the edges between nodes whose rotations are given
 
         PoseTerms(const GraphEnergy &g, const std::vector<Eigen::Affine3d> &motion, const State &x, double smooth)
             : smooth(smooth), linear(motion.size()), from(g.edge.size()), to(g.edge.size()),
@@ -77,7 +76,7 @@ class GraphEnergy {
         }
     };
 
-    /// \param heldArea k values, or empty for 0 \param heldDepth as GraphDeformer takes them
+    /// \param heldArea k values, or empty for 0 \param heldDepth both as of GraphDeformer
     GraphEnergy(const DeformationGraph &graph, const GraphUnknowns &unknown, const std::vector<double> &heldArea,
                 double heldDepth)
         : graph(graph), unknown(unknown), heldArea(heldArea), heldDepth(heldDepth) {
@@ -92,7 +91,7 @@ class GraphEnergy {
                 edge[e] = graph.weight[e] * d;
             }
         for (double &s : stay)
-            if (!(s > 0)) // without edges, all is left open
+            if (!(s > 0)) // no edges: nothing else holds the rotation
                 s = 1;
         for (Index i = 0; i < k; ++i)
             for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e)
@@ -134,7 +133,7 @@ class GraphEnergy {
         return energy;
     }
 
-    /// Each node's share of it.
+    /// Each node's share of the energy.
     std::vector<double> Shares(const State &x, const PoseTerms &given) const {
         std::vector<double> shares(graph.Size(), 0);
         for (const Pair &p : pairs) {
@@ -147,7 +146,7 @@ class GraphEnergy {
         return shares;
     }
 
-    /// The local step (Eq. 5): each rotation of \p y from its neighbours' latest, at the positions of \p x.
+    /// The local step (Eq. 5): fits the rotations of \p y one after the other, at the positions of \p x.
     /// \param s k matrices to work with
     void FitRotations(const State &x, const PoseTerms &given, State &y, std::vector<Eigen::Matrix3d> &s) const {
         for (Eigen::Matrix3d &each : s)
@@ -225,8 +224,8 @@ class GraphEnergy {
         }
     }
 
-    /// Calls body(i, j, weight, R_j R_i^T) for each pair of rotations with at least one unknown. The pair contributes
-    /// the weight times |R_i - R_j|^2. j is -1 for the anchor of i.
+    /// Calls body(i, j, w, R_j R_i^T) for each pair of rotations with at least one unknown. Its energy is
+    /// w |R_i - R_j|^2. j is -1 for the anchor of i.
     template <class Body>
     void ForEachTwist(const State &x, const PoseTerms &given, const Body &body) const {
         for (std::size_t p = 0; p < openPairs; ++p)
@@ -239,7 +238,7 @@ class GraphEnergy {
     }
 
   private:
-    static constexpr double stayed = 1e-6; // share of its edges by which a rotation stays as it is
+    static constexpr double stayed = 1e-6; // stay over the weights of a node's edges
 
     /// An edge of the graph, once.
     struct Pair {
@@ -250,12 +249,12 @@ class GraphEnergy {
     std::uint32_t Begin(Index i) const { return graph.graph.adjacency.begin[i]; }
     Index Neighbour(std::uint32_t e) const { return graph.graph.adjacency.item[e]; }
 
-    /// From the second to the first end of a pair.
+    /// e' of a pair: from its end at j to its end at i.
     Eigen::Vector3d Way(const Pair &p, const State &x, const PoseTerms &given) const {
         return (unknown.constrained[p.i] ? given.from[p.e] : Eigen::Vector3d(x.position.col(p.i))) -
                (unknown.constrained[p.j] ? given.to[p.e] : Eigen::Vector3d(x.position.col(p.j)));
     }
-    /// A node's linear part as its neighbours' edges see it.
+    /// The linear part that applies to the edges of node \p i.
     const Eigen::Matrix3d &Linear(const State &x, const PoseTerms &given, Index i) const {
         return unknown.IsRotationGiven(i) ? given.linear[i] : x.rotation[i];
     }
@@ -269,7 +268,7 @@ class GraphEnergy {
                 graph.weight[p.e] * (way - Linear(x, given, p.j) * rest).squaredNorm() + smooth};
     }
 
-    /// The term of the anchor of a constrained node that turns.
+    /// The term of a compliant node's anchor.
     static double AnchorEnergy(Index i, const State &x, const PoseTerms &given) {
         if (!(given.stiffness[i] > 0))
             return 0;
@@ -281,11 +280,11 @@ class GraphEnergy {
     const GraphUnknowns &unknown;
     std::vector<double> heldArea; // k
     double heldDepth;
-    std::vector<double> stay;                // k, how strongly a rotation stays where its edges leave it open
+    std::vector<double> stay;                // k, how strongly a rotation is held where its edges leave it open
     std::vector<Eigen::Vector3d> edge;       // w_ij e_ij of each adjacency item
     std::vector<Eigen::Vector3d> sumOfEdges; // of each unknown position's node
     std::vector<Pair> pairs;                 // the edges of components with a constrained node
-    std::size_t openPairs = 0;               // those that depend on the unknowns; they come first
+    std::size_t openPairs = 0;               // number of those that depend on the unknowns; they come first
 };
 
 } // namespace vcg::fcd::detail

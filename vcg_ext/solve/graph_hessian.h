@@ -55,7 +55,7 @@ class GraphHessian {
     Eigen::VectorXd Solve(const Eigen::VectorXd &right) const { return factor.Solve(right); }
     Eigen::VectorXd Times(const Eigen::VectorXd &way) const { return hessian * way; }
 
-    /// Goes \p step on from \p x.
+    /// Moves \p x by \p step.
     void Move(State &x, const Eigen::VectorXd &step) const {
         for (Index i : unknown.position)
             x.position.col(i) += Moved(step, i);
@@ -68,6 +68,7 @@ class GraphHessian {
             x.quaternion[i] = q.dot(x.quaternion[i]) < 0 ? Eigen::Vector4d(-q) : q;
         }
     }
+    /// Radians.
     double LargestTurn(const Eigen::VectorXd &step) const {
         return Largest(unknown.rotation, [&](Index i) { return Turned(step, i).norm(); });
     }
@@ -127,7 +128,7 @@ class GraphHessian {
             });
     }
 
-    /// \pre AddEdges: the pairs come in the same order
+    /// \pre AddEdges was called: the pairs come in the same order
     void AddTwists(const GraphEnergy &energy, const State &x, const GraphEnergy::PoseTerms &given) {
         std::size_t p = 0;
         energy.ForEachTwist(x, given, [&](Index i, Index j, double w, const Eigen::Matrix3d &m) {

@@ -15,11 +15,11 @@
 
 namespace vcg::fcd::detail {
 
-/// The Laplacian and the bi-Laplacian of a deformation graph of k nodes, n of whose positions are unknown. They are
-/// factorised at construction, and solved as often as wanted. Constrained nodes are eliminated rows and columns.
+/// The Laplacian and the bi-Laplacian of a deformation graph of k nodes, n of them with unknown positions. Both are
+/// factorised once, at construction; the rows and columns of constrained nodes are eliminated.
 class GraphLaplacian {
   public:
-    /// \throw Unsolvable when the system cannot be factorised, or takes too long \throw Cancelled
+    /// \throw Unsolvable if the system cannot be factorised, or takes too long \throw Cancelled
     GraphLaplacian(const DeformationGraph &graph, const GraphUnknowns &unknown, const Progress &progress = {}) {
         const Index k = graph.Size(), n = Index(unknown.position.size());
         if (n == 0)
@@ -59,8 +59,8 @@ class GraphLaplacian {
             throw Unsolvable("The deformation graph of " + std::to_string(k) +
                              " nodes takes minutes to solve: its surface joins everything with everything, as faces " +
                              "between vertices at random do. Leave such faces out, or take fewer patches.");
-        // The bi-Laplacian joins all neighbours of a node with each other: where a node has thousands, or each is
-        // joined with others at random, the Laplacian is good enough.
+        // The bi-Laplacian joins all neighbours of a node with each other. If a node has thousands of them, or edges
+        // are random, the Laplacian takes its place.
         double joined = 0;
         for (Index i = 0; i < k; ++i)
             joined += double(adjacency[i].size()) * double(adjacency[i].size());
@@ -86,11 +86,11 @@ class GraphLaplacian {
         order.assign(harmonic.permutationP().indices().data(), harmonic.permutationP().indices().data() + n);
     }
 
-    /// The column of unknown position number \p u in what Solve takes.
+    /// The column of unknown position number \p u in the argument of Solve.
     Index ColumnOf(std::size_t u) const { return order[u]; }
 
-    /// The solution of the Laplacian system in place of its right side \p x (3 x n): what the factorisation's solve()
-    /// does, for all three coordinates at once and without an allocation.
+    /// Solves the Laplacian system in place: \p x (3 x n) is its right side, then the solution. As the factorisation's
+    /// solve(), but for all three coordinates at once and without an allocation.
     void Solve(Eigen::Matrix3Xd &x) const {
         for (Eigen::Index c = 0; c < x.cols(); ++c) {
             const Eigen::Vector3d xc = x.col(c);
@@ -113,8 +113,8 @@ class GraphLaplacian {
         return biharmonic.solve(-(biharmonicRows * (constrainedColumns * given)));
     }
 
-    /// How far \p pressure (n values) moves the unknown positions, of a surface that the bi-Laplacian makes stiff: it
-    /// begins smoothly at what is held.
+    /// How far \p pressure (n values) moves a surface with the bi-Laplacian as its stiffness: smoothly, from 0 at what
+    /// is held. \return n values
     Eigen::VectorXd Spread(const Eigen::VectorXd &pressure) const { return biharmonic.solve(pressure); }
 
   private:
@@ -122,7 +122,7 @@ class GraphLaplacian {
 
     Eigen::SparseMatrix<double> factor; // L of the Laplacian below its unit diagonal
     Eigen::VectorXd inverseDiagonal;    // 1 / D of it
-    std::vector<Index> order;           // of each unknown position in it
+    std::vector<Index> order;           // n, row of each unknown position in the factor
     Eigen::SparseMatrix<double> constrainedColumns, biharmonicRows;
     SparseFactor biharmonic;
 };

@@ -13,20 +13,20 @@
 
 namespace vcg::fcd::detail {
 
-/// Newton's method on the energy of a graph at what a pose gives.
+/// Newton's method on the energy of a graph, for one pose.
 class GraphNewton {
   public:
     using State = GraphEnergy::State;
 
-    /// \param edgeLength by which turns are measured \param still below it a node does not move
+    /// \param edgeLength times a turn in radians counts as a move \param still frame units: shorter moves count as none
     GraphNewton(const GraphEnergy &energy, const GraphUnknowns &unknown, const GraphEnergy::PoseTerms &given,
                 double edgeLength, double still)
         : energy(energy), given(given), edgeLength(edgeLength), still(still), hessian(unknown) {}
 
-    /// Finds where the energy is stationary, a minimum or a saddle, from \p state. Counts the steps in \p pose,
-    /// to \p mostIterations. \return whether it did
+    /// Goes from \p state to a stationary state nearby, a minimum or a saddle; sets pose.unstable. Counts the steps in
+    /// \p pose, up to \p mostIterations. \return whether it found one
     bool FindStationary(int mostIterations, State &state, GraphPose &pose, const Progress &progress) {
-        const int most = 40; // where the shape is about to give way; otherwise four to ten do
+        const int most = 40; // needed where the shape is about to buckle; elsewhere 4 to 10
         for (int n = 0; n < most && pose.iterations < mostIterations; ++n, ++pose.iterations) {
             if (!Look(state, progress.Slice(double(n) / most, double(n + 1) / most)))
                 return false;
@@ -42,7 +42,7 @@ class GraphNewton {
     }
 
   private:
-    /// \return whether there is a step from \p state
+    /// Sets step to Newton's step from \p state. \return whether there is one
     bool Look(const State &state, const Progress &progress) {
         progress(0, "Deforming the graph");
         hessian.Assemble(energy, state, given);
@@ -52,7 +52,7 @@ class GraphNewton {
         return step.allFinite();
     }
     Eigen::VectorXd Limited() const {
-        const double farthest = 0.5; // radian, in a step: its quadratic is good for so much
+        const double farthest = 0.5; // radians a step: up to there, the quadratic model is good
         return std::min(1.0, farthest / hessian.LargestTurn(step)) * step;
     }
 

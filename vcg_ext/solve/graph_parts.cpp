@@ -74,8 +74,8 @@ DeformationGraph PartOf(const DeformationGraph &graph, const std::vector<Index> 
 struct PartsDeformer::Part {
     std::vector<Index> nodes;
     DeformationGraph graph;
-    std::unique_ptr<GraphDeformer> deformer; // of that graph
-    std::unique_ptr<AffineDeformer> affine;  // instead, with a rigidity below 1
+    std::unique_ptr<GraphDeformer> deformer; // with rigidity 1
+    std::unique_ptr<AffineDeformer> affine;  // with a rigidity below 1
 };
 
 PartsDeformer::PartsDeformer(const DeformationGraph &graph, const std::vector<double> &area,
@@ -135,7 +135,7 @@ GraphPose PartsDeformer::Solve(const NodeConstraints &given, const SolverParam &
             pose.position.col(i) = given.motion[i] * Eigen::Vector3d(pose.position.col(i));
             pose.linear[i] = given.motion[i].linear();
         }
-    std::vector<bool> solved(k, false); // a held node beside several parts compliant as the first of them wants
+    std::vector<bool> solved(k, false); // a held node beside several parts gets the rotation of the first of them
     for (std::size_t p = 0; p < parts.size(); ++p) {
         const std::vector<Index> &nodes = parts[p]->nodes;
         const bool moves = std::any_of(nodes.begin(), nodes.end(), [&](Index i) {

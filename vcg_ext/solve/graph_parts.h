@@ -13,15 +13,15 @@
 
 namespace vcg::fcd {
 
-/// The parts of \p graph that its held nodes separate: the nodes of each, ascending, held ones beside several parts in
-/// each of them. Parts without a constrained node are left out.
+/// The parts of \p graph that its held nodes separate, as the ascending nodes of each. A held node is in every part
+/// beside it. Parts without a constrained node are left out.
 std::vector<std::vector<Index>> SeparateParts(const DeformationGraph &graph, const std::vector<bool> &constrained);
 
-/// The graph that \p nodes, ascending, form in \p graph.
+/// The subgraph of \p nodes, ascending.
 DeformationGraph PartOf(const DeformationGraph &graph, const std::vector<Index> &nodes);
 
-/// Deforms each part of a graph that held nodes separate as if there were no others (GraphDeformer, or AffineDeformer).
-/// Prepared once, and solved as often as wanted; owns copies of what it needs of the graph.
+/// Deforms each part of a graph by itself (SeparateParts; GraphDeformer or AffineDeformer). Prepared once; owns copies
+/// of what it needs of the graph.
 class PartsDeformer {
   public:
     /// \param area k values: of each node's patch, frame units^2; A of a part is their sum
@@ -34,12 +34,12 @@ class PartsDeformer {
     PartsDeformer(const PartsDeformer &) = delete;
     PartsDeformer &operator=(const PartsDeformer &) = delete;
 
-    /// A part stays at rest if none of its constraints moves.
-    /// \param given as at construction, with the motions \param last as GraphDeformer::Solve takes it
+    /// Poses the graph. A part none of whose constraints moves stays at rest.
+    /// \param given as at construction, with the motions \param last, lastMotion as of GraphDeformer::Solve
     GraphPose Solve(const NodeConstraints &given, const SolverParam &param, const Progress &progress = {},
                     const GraphPose *last = nullptr, const std::vector<Eigen::Affine3d> &lastMotion = {}) const;
 
-    /// As GraphDeformer::Spread, of each part by itself. \pre rigidity 1
+    /// GraphDeformer::Spread of each part by itself. \pre rigidity 1
     Eigen::VectorXd Spread(const Eigen::VectorXd &pressure) const;
 
   private:

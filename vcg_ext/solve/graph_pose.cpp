@@ -28,7 +28,7 @@ void FitLinear(const DeformationGraph &graph, const std::vector<bool> &given, Gr
 
 void MeasureEnergy(const DeformationGraph &graph, double smooth, GraphPose &pose) {
     const auto rest = [&](Index i) { return Eigen::Vector3d(graph.graph.position.col(i).cast<double>()); };
-    // Where an edge ends: at the node, or, of a held one, at the border of its patch, which moves as that does.
+    // The posed end of an edge: the node or, if it is held, the border of its patch, moved as the patch.
     const auto placeOf = [&](Index i, const Eigen::Vector3d &border) -> Eigen::Vector3d {
         const Eigen::Vector3d node = pose.position.col(i);
         return graph.IsHeld(i) ? Eigen::Vector3d(node + pose.linear[i] * (border - rest(i))) : node;

@@ -10,31 +10,32 @@
 
 namespace vcg::fcd {
 
-/// Where each node of a deformation graph went: x -> linear * (x - rest) + position.
+/// A pose of a deformation graph of k nodes, frame units. Node j maps x to linear[j] * (x - p_j) + position[j].
 struct GraphPose {
-    Eigen::Matrix3Xd position;           ///< 3 x k, c'_j
-    std::vector<Eigen::Matrix3d> linear; ///< k, R_j (see FitLinear), or A_j; of a constrained node that of its motion
-    bool affine = false;                 ///< the maps are affine by themselves (rigidity below 1)
-    double energy = 0;                   ///< Eq. 2, frame units^2
-    std::vector<double> nodeEnergy;      ///< k, each node's share of it
-    std::vector<char> rests;             ///< k flags: free nodes of parts that nothing moves; empty: not known
+    Eigen::Matrix3Xd position; ///< 3 x k, p'_j
+    std::vector<Eigen::Matrix3d>
+        linear;                     ///< k: R_j, or a linear map (FitLinear, affine); of its motion if that is given
+    bool affine = false;            ///< the maps are affine: the rigidity is below 1
+    double energy = 0;              ///< Eq. 2, frame units^2
+    std::vector<double> nodeEnergy; ///< k, each node's share of the energy
+    std::vector<char> rests;        ///< k flags: free nodes of parts at rest; empty: not known
     int iterations = 0;
     bool converged = true;
-    bool moves = false;    ///< whether anything was moved since rest; with full turns it may be that no motion tells
+    bool moves = false;    ///< whether anything moved since rest; after a full turn, motions may not tell
     bool followed = true;  ///< with SolverParam::follow: whether it came to rest near where it began
-    bool unstable = false; ///< with SolverParam::follow: whether it would give way, left to itself
+    bool unstable = false; ///< with SolverParam::follow: whether it is a saddle, and would buckle
 };
 
-/// Replaces the rotations of \p pose by the linear maps that fit the edges of the graph best, in the least-squares
-/// sense; what the edges leave open (across the surface) stays as the rotation has it. The surface then stretches as
-/// the graph does instead of in steps from node to node. Rotations that are given stay.
-/// \param given k flags: nodes whose rotation is given
+/// Replaces the rotations of \p pose by the linear maps that fit the posed edges of the graph best (least squares), so
+/// that the surface stretches evenly, as the graph does. What the edges leave open, across the surface, remains that of
+/// the rotation.
+/// \param given k flags: nodes whose rotation is given; they are not changed
 /// \param openness as in ShapeConstants
 void FitLinear(const DeformationGraph &graph, const std::vector<bool> &given, GraphPose &pose,
                double openness = ShapeConstants().openness);
 
-/// Sets energy and nodeEnergy of \p pose to Eq. 2 at its positions and rotations. The anchors of compliant nodes
-/// (SolverParam) do not count. \param smooth alpha A, frame units^2
+/// Sets energy and nodeEnergy of \p pose by Eq. 2, without the anchors of compliant nodes. \param smooth alpha A, frame
+/// units^2
 void MeasureEnergy(const DeformationGraph &graph, double smooth, GraphPose &pose);
 
 } // namespace vcg::fcd

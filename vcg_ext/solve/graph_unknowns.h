@@ -12,13 +12,13 @@ namespace vcg::fcd::detail {
 /// Which positions and rotations of a graph's k nodes are unknown. A component without a constrained node has none.
 struct GraphUnknowns {
     std::vector<char> constrained;   ///< k flags: the position is given
-    std::vector<char> compliant;     ///< k flags: of constrained nodes whose rotation is not
+    std::vector<char> compliant;     ///< k flags: constrained, but the rotation is free
     std::vector<Index> componentOf;  ///< k
-    std::vector<char> hasConstraint; ///< flags of the components: there is a constrained node in it
-    std::vector<Index> position;     ///< nodes whose position is unknown
-    std::vector<Index> numberOf;     ///< k, which of these a node is, -1 for none of them
-    std::vector<Index> rotation;     ///< nodes whose rotation is unknown: the same, and constrained ones that turn
-    std::vector<Index> turnOf;       ///< k, which of these a node is, -1 for none of them
+    std::vector<char> hasConstraint; ///< of each component: whether it has a constrained node
+    std::vector<Index> position;     ///< nodes with an unknown position
+    std::vector<Index> numberOf;     ///< k, a node's index in position, or -1
+    std::vector<Index> rotation;     ///< nodes with an unknown rotation: the same, then the compliant ones
+    std::vector<Index> turnOf;       ///< k, a node's index in rotation, or -1
 
     /// \param compliant may be empty: none
     GraphUnknowns(const Csr &graph, const std::vector<bool> &constrained, const std::vector<bool> &compliant)

@@ -16,22 +16,22 @@
 
 namespace vcg::fcd::detail {
 
-/// The motions of the constrained nodes since the last pose, interpolated by the bi-Laplacian. One motion of all is
-/// met exactly.
+/// The state that the iteration begins with: the motions of the constrained nodes since the last pose (or rest),
+/// interpolated by the bi-Laplacian. A motion that all of them have in common is reproduced exactly.
 inline GraphEnergy::State InitialGuess(const DeformationGraph &graph, const GraphUnknowns &unknown,
                                        const GraphLaplacian &laplacian, const std::vector<Eigen::Affine3d> &motion,
                                        const GraphPose *last, const std::vector<Eigen::Affine3d> &lastMotion) {
     using Matrix34d = Eigen::Matrix<double, 3, 4>;
     const Index k = graph.Size();
     const Eigen::Matrix3Xd rest = graph.graph.position.cast<double>();
-    const Eigen::Matrix3Xd &before = last ? last->position : rest; // where the motions below begin
+    const Eigen::Matrix3Xd &before = last ? last->position : rest;
     GraphEnergy::State state{rest, std::vector<Eigen::Matrix3d>(k, Eigen::Matrix3d::Identity()), {}, 0};
     std::vector<Eigen::Matrix3d> &rotation = state.rotation;
     if (last)
         for (Index i = 0; i < k; ++i)
             rotation[i] = RotationOf(last->linear[i]);
-    // What the motions of the constrained nodes differ by from that of the first one. Without that, what they have
-    // in common would be as inexact as the solution where a node hardly hangs on the others.
+    // Interpolate the differences from the first node's motion, so that the solution's rounding, large where a node
+    // hardly hangs on the others, does not touch what all motions have in common.
     Eigen::MatrixXd change = Eigen::MatrixXd::Zero(k, 12);
     Matrix34d common = Matrix34d::Identity();
     bool isFirst = true;

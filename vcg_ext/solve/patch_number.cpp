@@ -12,7 +12,7 @@ namespace vcg::fcd {
 int PatchesFor(int patches, double error, int most, double gain) {
     const double usual = GraphParam().Patches();
     double wanted = fewPatches;
-    if (error > 0) { // where one more lowers error (patches / n)^power by gain
+    if (error > 0) { // the number n at which one more patch lowers error (patches / n)^power by gain
         const double power = errorOrder / 2;
         wanted = patches * detail::Power(power * std::min(error, 1.0) / (gain * patches), 1 / (1 + power));
         wanted = wanted < usual ? std::sqrt(wanted * usual) : wanted;

@@ -6,17 +6,18 @@ namespace vcg::fcd {
 
 /// How the graph is deformed (paper, sec. 2.2).
 struct SolverParam {
-    /// alpha of Eq. 2, >= 0: the higher, the more evenly bending and twist are spread. SR-ARAP as in CGAL has
-    /// 0.02 A / 6 at each of the six edges of a regular triangulation, where the weights are 1 / sqrt(3).
+    /// alpha of Eq. 2, >= 0: the higher, the more evenly bending and twist are spread. The default is that of SR-ARAP
+    /// in CGAL, which has 0.02 A / 6 at each of the six edges of a regular triangulation, where the weights are
+    /// 1/sqrt(3).
     double smoothness = 0.0058;
-    /// r, [0, 1]. Below 1, a node's map is affine, and to stretch it costs r / (1 - r) times as much as at its edges
-    /// (AffineDeformer). At 0 only how maps change costs: every affine motion of the handles is met, as by a thin-plate
-    /// spline; then a pose is linear in the motions, and does not depend on the way to it.
+    /// r, [0, 1]. Below 1, a node's map is affine (AffineDeformer): deviation from a rotation costs r / (1 - r) times
+    /// the stretch of its edges. At 0, only differences between neighbours' maps cost, as with a thin-plate spline;
+    /// then a pose is linear in the motions, and does not depend on earlier poses.
     double rigidity = 1;
     int maxIterations = 1000; ///< >= 0
-    double tolerance = 1e-5;  ///< stop where no node is farther from rest than ten times this fraction of the diagonal
-    /// By Anderson's method. Without it, the steps are those of the paper alone, and stop where one moves no node by
-    /// more than the tolerance times the diagonal.
+    double tolerance = 1e-5;  ///< stop if no node is farther from rest than ten times this fraction of the diagonal
+    /// Anderson's acceleration. Without it, steps are the paper's, and end when one moves no node by more than the
+    /// tolerance times the diagonal.
     bool accelerated = true;
     /// Whether these are quasi-Newton steps by the Hessian at rest. If not, they are local and global ones: five times
     /// as many, in which it takes a shape longer to give way.

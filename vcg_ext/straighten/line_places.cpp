@@ -59,12 +59,12 @@ std::vector<double> PlacesAlong(const FramedLine &line, const Csr &adjacency, co
             const Offer best = queue.top();
             queue.pop();
             const Index j = best.node;
-            if (isKnown[std::size_t(j)])
+            if (isKnown[j])
                 continue;
-            isKnown[std::size_t(j)] = 1;
-            place[std::size_t(j)] = best.s;
+            isKnown[j] = 1;
+            place[j] = best.s;
             for (Index i : adjacency[j])
-                if (!isKnown[std::size_t(i)]) {
+                if (!isKnown[i]) {
                     const double reach = mostStretch * (position.col(i) - position.col(j)).norm();
                     queue.push(offer(i, best.s - reach, best.s + reach, best.s));
                 }
@@ -75,7 +75,7 @@ std::vector<double> PlacesAlong(const FramedLine &line, const Csr &adjacency, co
 
 double PlaceNear(const FramedLine &line, const RegionDeformer &deformer, const ToWorld &toWorld,
                  const std::vector<double> &place, Index node, const Eigen::Vector3d &p) {
-    const auto patch = std::size_t(deformer.patches.patchOf[std::size_t(node)]);
+    const auto patch = std::size_t(deformer.patches.patchOf[node]);
     const double reach = mostStretch * double(deformer.graph.radius[patch]) * toWorld.scale;
     return StillBeyond(line, place[patch], line.Nearest(p, place[patch] - reach, place[patch] + reach));
 }
@@ -86,9 +86,9 @@ std::vector<LineSample> SamplesAlong(const FramedLine &line, const RegionDeforme
     const Index stride = std::max<Index>(1, surface.graph.Size() / count);
     std::vector<LineSample> samples;
     for (Index u = 0; u < surface.graph.Size(); u += stride)
-        if (deformer.patches.patchOf[std::size_t(u)] >= 0)
-            samples.push_back({u, 0, double(surface.nodeArea[std::size_t(u)]),
-                               toWorld(surface.graph.position.col(u).cast<double>())});
+        if (deformer.patches.patchOf[u] >= 0)
+            samples.push_back(
+                {u, 0, double(surface.nodeArea[u]), toWorld(surface.graph.position.col(u).cast<double>())});
     if (std::all_of(samples.begin(), samples.end(), [](const LineSample &each) { return !(each.weight > 0); }))
         for (LineSample &each : samples) // points that stand for no area
             each.weight = 1;

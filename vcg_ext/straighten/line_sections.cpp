@@ -23,8 +23,8 @@ std::vector<Value> Blurred(const std::vector<Value> &sum, const std::vector<doub
         double total = 0;
         for (int k = std::max(0, b - reach); k <= std::min(n - 1, b + reach); ++k) {
             const double w = Exponential(-0.5 * Squared((k - b) / sigma));
-            all += w * sum[std::size_t(k)];
-            total += w * weight[std::size_t(k)];
+            all += w * sum[k];
+            total += w * weight[k];
         }
         mean.push_back(all / total);
     }
@@ -75,13 +75,12 @@ class Around {
         Eigen::Matrix3Xd found(3, sum.cols());
         const int n = int(sum.cols());
         for (int b = 0; b < n; ++b) {
-            const double sigma = scale[std::size_t(b)];
+            const double sigma = scale[b];
             const int reach = int(3 * sigma) + 1;
             Eigen::Vector3d all = Eigen::Vector3d::Zero(), slope = all;
             double total = 0, first = 0, second = 0;
             for (int k = std::max(0, b - reach); k <= std::min(n - 1, b + reach); ++k) {
-                const double way = k - b, w = Exponential(-0.5 * Squared(way / sigma)),
-                             its = w * weight[std::size_t(k)];
+                const double way = k - b, w = Exponential(-0.5 * Squared(way / sigma)), its = w * weight[k];
                 all += w * sum.col(k);
                 slope += w * way * sum.col(k);
                 total += its;
@@ -102,7 +101,7 @@ class Around {
         Eigen::Matrix3Xd found(3, points.cols());
         const int n = int(points.cols());
         for (int b = 0; b < n; ++b) {
-            const double sigma = scale[std::size_t(b)];
+            const double sigma = scale[b];
             const int reach = int(3 * sigma) + 3; // at an end, more than a parabola needs
             double moment[5] = {};
             Eigen::Vector3d sum[3] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
@@ -188,14 +187,14 @@ Eigen::Matrix3Xd MiddleOf(const RegionDeformer &deformer, const Eigen::Affine3d 
         for (Eigen::Index b = 0; b < on.cols(); ++b) {
             frames.push_back(line.At((double(b) + 0.5) / double(bins) * line.Length()));
             on.col(b) = frames.back().point;
-            off.col(b) << 0, sum[std::size_t(b)].real(), sum[std::size_t(b)].imag();
+            off.col(b) << 0, sum[b].real(), sum[b].imag();
         }
         const Eigen::Matrix3Xd smooth = around.Smooth(on), across = around.Fitted(off, weight),
                                lost = around.Fitted(on - smooth, std::vector<double>(bins, 1));
         std::vector<Eigen::Vector3d> found;
         for (Eigen::Index b = 0; b < on.cols(); ++b)
             if (std::isfinite(across(1, b))) {
-                const Eigen::Matrix3d &axes = frames[std::size_t(b)].axes;
+                const Eigen::Matrix3d &axes = frames[b].axes;
                 const Eigen::Vector3d along = axes.col(0), way = smooth.col(b) + lost.col(b) - on.col(b);
                 found.emplace_back(on.col(b) + way - way.dot(along) * along + axes * across.col(b));
             }

@@ -10,14 +10,13 @@
 
 namespace vcg::fcd::detail {
 
-/// Tells whether one of boxes is near another one, and which ones meet it: a tree of boxes around them, in an order in
-/// which those that follow each other lie together.
+/// A tree over boxes, to find those near a query box. Boxes that follow each other should lie together.
 template <class BoxOf>
 class BoxTree {
   public:
     using Box = std::decay_t<decltype(std::declval<const BoxOf &>()(std::size_t(0)))>;
 
-    /// \param boxOf boxOf(i): one of \p count boxes; empty ones are near to none
+    /// \param boxOf boxOf(i): the i-th of \p count boxes; an empty one is never found
     BoxTree(std::size_t count, const BoxOf &boxOf) : count(count), boxOf(boxOf) {
         for (std::size_t size = count; levels.empty() || size > 1; size = levels.back().size()) {
             std::vector<Box> around((size + each - 1) / each);
@@ -26,11 +25,11 @@ class BoxTree {
             levels.push_back(std::move(around));
         }
     }
-    /// Whether one is no farther from \p box than \p distance.
+    /// Whether any box is within \p distance of \p box.
     bool IsNear(const Box &box, double distance) const {
         return count > 0 && IsNear(box, distance * distance, levels.size(), 0);
     }
-    /// body(i) for each one that has a point in common with \p box, ascending.
+    /// Calls body(i), ascending, for each box that has a point in common with \p box.
     template <class Body>
     void ForMeeting(const Box &box, const Body &body) const {
         if (count > 0)
@@ -68,7 +67,8 @@ class BoxTree {
 
     const std::size_t count;
     const BoxOf boxOf;
-    std::vector<std::vector<Box>> levels; ///< around so many boxes each, then of so many of these, ...
+    std::vector<std::vector<Box>>
+        levels; ///< boxes around `each` boxes of the level below; level 0: around those of boxOf
 };
 
 } // namespace vcg::fcd::detail

@@ -17,8 +17,8 @@
 
 namespace vcg::fcd::detail {
 
-/// body(number) for the cell of \p x in a grid of \p cells a unit, and for those nearer than \p hair, which is at most
-/// a cell's width. In the frame, no two cells have the same number.
+/// Calls body(number) for the cell of \p x in a grid of \p cells a unit, and for other cells within \p hair of \p x.
+/// \param hair at most the width of a cell. Within the frame, the numbers of cells are unique.
 template <class Body>
 void ForCells(const Eigen::Vector3f &x, float cells, float hair, const Body &body) {
     std::uint64_t low[3], high[3];
@@ -43,10 +43,10 @@ void ForCells(const Eigen::Vector3f &x, float cells, float hair, const Body &bod
     }
 }
 
-/// A set of numbers: surely those that were put in, and a few others that share their bits.
+/// A set of numbers that may also contain a few that were not inserted (a Bloom filter with one hash).
 class CellSet {
   public:
-    /// \param wanted numbers, about
+    /// \param wanted expected number of insertions
     explicit CellSet(std::size_t wanted) {
         while (words < wanted)
             words *= 2;
@@ -73,7 +73,7 @@ class CellSet {
     std::unique_ptr<std::atomic<std::uint32_t>[]> bits;
 };
 
-/// Where in a box there are points, in coarse cells. For most others it is known from that that none is near.
+/// Coarse cells of a box that have points in or near them: a quick test that rules out most other points.
 class CoarseCells {
   public:
     /// \param box not flat
@@ -105,20 +105,19 @@ class CoarseCells {
     std::unique_ptr<std::atomic<std::uint64_t>[]> bits;
 };
 
-/// The candidates that may be at a part of the region, or a hair from it, ascending. There is a bit for each cell of a
-/// grid with such a place, some of them shared.
+/// The candidates of \p region that may be within \p hair of one of its parts, as ascending slots. Compares cells of a
+/// grid, so a few may be farther away.
 /// \param parts, candidates how many slots are flagged as such
-/// \param at at(slot): position in the frame \param inFrame the same of one in mesh units
-/// \param box of the parts, in the frame \param hair frame units, >= 0
+/// \param at at(slot): position, frame units \param inFrame inFrame(position in mesh units): in frame units
+/// \param box of the parts, frame units \param hair frame units, >= 0
 template <class At, class InFrame>
 std::vector<std::uint32_t> CandidatesBeside(const Region &region, std::size_t parts, std::size_t candidates,
                                             const At &at, const InFrame &inFrame, const Eigen::AlignedBox3f &box,
                                             float hair, const Progress &progress) {
     const std::size_t slots = region.flag.size();
-    // Wide enough for most hairs to lie in one, and narrow enough for few others.
+    // Cells so wide that a point's hair mostly lies in one, and so narrow that few other points do.
     const float cells = hair > 0 ? 0.05f / hair : 1e6f;
-    // Most candidates are not even near: a part's cell and those a hair from it end before, and so does what floats
-    // round.
+    // First leave out boxes of candidates that are far from all parts: by more than cells, hair and rounding.
     const Eigen::Vector3f reach =
         Eigen::Vector3f::Constant(hair + 2 / cells) + 1e-6f * box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs());
     const Eigen::AlignedBox3f near(box.min() - reach, box.max() + reach);
@@ -136,12 +135,12 @@ std::vector<std::uint32_t> CandidatesBeside(const Region &region, std::size_t pa
         return ofPart ? region.flag[i] == Region::part
                       : region.flag[i] == Region::candidate && isNear[i / Region::boxed];
     };
-    // Of the smaller side, parts or candidates, all cells; then those of the other that are in one of them, and the
-    // same back.
+    // All cells of the smaller side, parts or candidates; then the points of the other side in these cells; then the
+    // points of the smaller side in the cells of those.
     const bool partsFirst = parts <= candidates;
     CellSet first(std::min(parts, candidates));
     CoarseCells coarse(near);
-    const float margin = reach.maxCoeff(); // points that share a fine cell are nearer
+    const float margin = reach.maxCoeff(); // points that share a fine cell are nearer than this
     ParallelFor(progress.Slice(0, 0.5), readingStage, slots, 1 << 16, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
             if (isOn(i, partsFirst)) {

@@ -16,34 +16,37 @@
 
 namespace vcg::fcd::detail {
 
-/// How many neighbours a point has: twice a triangulation's six, so that those of the Delaunay triangulation are among
-/// them where one direction is sampled two or three times as densely as the other.
+/// How many neighbours a point has: twice a triangulation's six, so that the Delaunay neighbours are among them even if
+/// one direction is sampled two or three times as densely as the other.
 constexpr int cloudNeighbours = 12;
 
-/// The points around those of a set, one after the other: so many that they lie to all sides of it. Of scan lines,
-/// which are sampled more densely along than across, the nearest ones are on one line and tell nothing of the surface.
+/// Finds the neighbours of one point of a cloud after the other. It looks at so many points that they lie on all sides:
+/// in scan lines, which are denser along than across, the nearest points are on one line and tell nothing about the
+/// surface.
 template <class Scalar>
 class CloudNeighbourhood {
   public:
-    /// Points that are so much nearer to each other than to the next one are at one place. Among points that are evenly
-    /// at random that is so at one in a thousand.
+    /// Points this many times nearer to each other than to the next point are a clump, which counts as one position. Of
+    /// evenly random points, that happens to one in a thousand.
     static constexpr double apart = 30;
-    /// Points that are looked at. Of lines that are sampled a times as densely along as across, the next ones are among
-    /// the nearest 4 a, and there are enough of them on all sides among 6 a: lines up to 30 times as dense.
+    /// The most points that are looked at. If lines are a times as dense along as across, points of the next line are
+    /// among the nearest 4 a, and enough of them on all sides among 6 a. So this works for lines up to 30 times as
+    /// dense.
     static constexpr std::size_t most = 192;
 
     explicit CloudNeighbourhood(const PointTree<Scalar> &points)
         : points(points), others(points.Size() - 1), inBlock(points), alone(points) {}
 
-    /// \param place of a point in the order of the blocks; one after the other is fastest
+    /// Looks around a point; sets around, isWide and isOneSided. \param place of the point, in the order of the blocks;
+    /// fastest if ascending
     void Look(std::size_t place) {
         at = place;
         const std::size_t fewest = std::min<std::size_t>(cloudNeighbours, others), last = std::min(most, others);
-        std::size_t wanted = fewest, first = 0; // that is enough
+        std::size_t wanted = fewest, first = 0; // the least number with points on all sides
         double reached = 0;
         Find(wanted);
         isOneSided = isWide = false;
-        if (IsSurelyAcross()) // as mostly
+        if (IsSurelyAcross()) // mostly
             return;
         for (;; wanted = std::min(4 * wanted, last)) {
             if (wanted > fewest)
@@ -55,15 +58,15 @@ class CloudNeighbourhood {
                 break;
         }
         isOneSided = !first && last == most;
-        if (reached < evenAcross && wanted > std::max(first, fewest)) { // a corner, or a line indeed
+        if (reached < evenAcross && wanted > std::max(first, fewest)) { // a corner, or really a line
             wanted = std::max(first, fewest);
             Find(wanted);
         }
         isWide = wanted > fewest;
     }
 
-    /// Which of the points around are neighbours, ascending, and what is told with them.
-    /// \param far clumps may be of more points than are looked at
+    /// The neighbours of the point of Look, ascending; sets area and here. \param far looks for clumps of up to \p most
+    /// points
     const std::vector<Index> &Neighbours(bool far = false) {
         double sum = 0;
         for (const Other &other : ways)
@@ -73,7 +76,7 @@ class CloudNeighbourhood {
         double before = INFINITY;
         const auto step = [&](double square) {
             if (square > apart * apart * before)
-                here = 1.001 * std::sqrt(before); // which floats round
+                here = 1.001 * std::sqrt(before); // more than rounding
             before = square;
         };
         if (far) {
@@ -97,34 +100,34 @@ class CloudNeighbourhood {
         return neighbour;
     }
 
-    /// Those of the points around that are no farther away than \p reach, the nearest first.
+    /// Calls body(number) for the points around within \p reach, the nearest first.
     template <class Body>
     void ForEachWithin(double reach, const Body &body) const {
         for (std::size_t k = 0; k < ways.size() && std::sqrt(ways[k].square) <= reach; ++k)
             body(ways[k].number);
     }
 
-    std::vector<Index> around; ///< all that were looked at, the nearest first
-    bool isWide = false;       ///< more than neighbours were looked at
-    bool isOneSided = false;   ///< all that can be looked at lie along a line
-    // Known with the neighbours:
-    double area = 0; ///< that the point stands for: that of a point of an evenly random set of the density around it,
-                     ///< where the k-th nearest of the others is at k / (pi density) squared on average
-    double here = 0; ///< points that are no farther away are at the same place
+    std::vector<Index> around; ///< the points that were looked at, the nearest first
+    bool isWide = false;       ///< more points than cloudNeighbours were looked at
+    bool isOneSided = false;   ///< even the most points lie along a line
+    // Set by Neighbours:
+    double area = 0; ///< that the point stands for, 1 / density: in an evenly random set, the k-th smallest squared
+                     ///< distance is k / (pi density) on average
+    double here = 0; ///< the radius of the point's clump; 0: there is none
 
   private:
-    /// Least share of the directions' second moments across, of those along: twelve directions by chance have less one
-    /// time in a hundred, a line 0; a corner of an evenly sampled sheet has (1 - 2 / pi) / (1 + 2 / pi) = 0.22, and
+    /// The least Across() with which points count as on all sides. A line has 0; twelve random directions have less
+    /// than this one time in a hundred; a corner of an evenly sampled sheet has (1 - 2 / pi) / (1 + 2 / pi) = 0.22, and
     /// keeps about the points that it has.
     static constexpr double leastAcross = 0.25;
-    /// The same of more points than neighbours: a disc has 1, and half of it at a border, too; one that only just
-    /// touches the next lines has about a half.
+    /// The same for more points than cloudNeighbours. A disc has 1, and so does half a disc at a border; points that
+    /// hardly reach the next lines have about a half.
     static constexpr double evenAcross = 0.8;
 
     struct Other {
         double square; // of its distance
         Index number;
-        Eigen::Vector3d way;
+        Eigen::Vector3d way; // from the point to this one
         bool operator<(const Other &o) const { return square != o.square ? square < o.square : number < o.number; }
     };
 
@@ -148,9 +151,9 @@ class CloudNeighbourhood {
         }
     }
 
-    /// Whether Across() is at least leastAcross for sure, without the eigenvalues a, b, c, ascending: none of them is
-    /// above the one that the moments would have if a and b were equal. If b is above leastAcross times that, and a is
-    /// not, as mostly, the characteristic polynomial tells it.
+    /// Whether Across() is at least leastAcross for sure. A quick test without the eigenvalues a <= b <= c: c is at
+    /// most mean + 2 spread, and the sign of the characteristic polynomial at leastAcross times that tells if only a is
+    /// below, as it mostly is.
     bool IsSurelyAcross() const {
         if (ways.size() != std::size_t(cloudNeighbours))
             return false;
@@ -175,9 +178,10 @@ class CloudNeighbourhood {
         yy += from;
         zz += from;
         const double polynomial = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
-        return polynomial < -1e-4 * (mean * mean * mean); // what is rounded is far less
+        return polynomial < -1e-4 * (mean * mean * mean); // far more than rounding
     }
 
+    /// Second moments of the directions to the points around.
     Eigen::Matrix3d Moments() const {
         Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
         for (const Other &other : ways)
@@ -185,14 +189,15 @@ class CloudNeighbourhood {
         return moments;
     }
 
-    /// The share of the directions' second moments across, in the plane that they lie in.
+    /// The second moment of the directions across the main one, over that along it, in the plane that they lie in: 0
+    /// for a line, 1 for a disc.
     double Across() const {
         const Eigen::Vector3d values = SymmetricEigen(Moments()).values;
         return around.empty() ? 1 : values[1] / values[2];
     }
 
-    /// Takes the points that are neighbours in the plane's Delaunay triangulation, and those that come nearest to that:
-    /// whose bisector cuts the point's Voronoi cell, or passes it by as the smallest share of the way.
+    /// Chooses the point's Delaunay neighbours in its plane: those whose bisector cuts its Voronoi cell. Then the
+    /// points that come nearest to that, by the distance of the bisector over the reach of the cell.
     void Choose(std::size_t wanted) {
         const Eigen::Matrix3d axes = SymmetricEigen(Moments()).Vectors();
         const Eigen::Vector3d along = axes.col(2), across = axes.col(1);
@@ -200,7 +205,7 @@ class CloudNeighbourhood {
         inPlane.clear();
         for (const Other &other : ways)
             inPlane.emplace_back(other.way.dot(along), other.way.dot(across));
-        // No point farther away than the last one cuts what is nearer than half of that.
+        // Points farther away than the last one cut nothing of the square of half that distance.
         const double half = 0.5 * std::sqrt(ways.back().square);
         cell.assign({{half, half}, {-half, half}, {-half, -half}, {half, -half}});
         for (const Eigen::Vector2d &o : inPlane) {
@@ -232,8 +237,8 @@ class CloudNeighbourhood {
     const PointTree<Scalar> &points;
     const std::size_t others;
     std::size_t at = 0;
-    NearestOthers<Scalar> inBlock, alone; ///< of all points of a block, and of one
-    std::vector<Other> ways;              ///< to those around
+    NearestOthers<Scalar> inBlock, alone; ///< of all points of a block, and of one point
+    std::vector<Other> ways;              ///< to the points around
     std::vector<Index> neighbour;
     std::vector<Eigen::Vector2d> inPlane, cell, cut;
     std::vector<std::pair<double, std::size_t>> rank;

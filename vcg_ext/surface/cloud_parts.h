@@ -18,10 +18,11 @@
 
 namespace vcg::fcd::detail {
 
-/// The points of a cloud in cells, so that a region is read from those around it alone.
+/// The points of a cloud, sorted into cells, so that a region is read from the points around it alone.
 class CloudParts {
   public:
-    /// Refers to \p mesh. \param isLive isLive(slot): the point is read \param metric as of Frame \pre some are
+    /// \param mesh must outlive this \param isLive isLive(slot): the point is read \param metric as of Frame
+    /// \pre some point is live
     template <class IsLive>
     CloudParts(const SurfaceView &mesh, const IsLive &isLive, const Eigen::Matrix3d &metric, const Progress &progress)
         : mesh(mesh), metric(metric) {
@@ -31,15 +32,15 @@ class CloudParts {
         const auto live = double(chunks.Live());
         places = WithoutStrays(chunks.box, chunks.Live(),
                                [&](std::size_t k) { return At(SlotOf(k, chunks.begin, isLive)); });
-        // At most about as many as points, also where these lie in a plane or along a line. Most are empty else, as
-        // points lie on a surface.
+        // At most about as many cells as points, also if the points lie in a plane or along a line. On other surfaces
+        // most cells are empty.
         Eigen::Array3d size = places.sizes();
         std::sort(size.data(), size.data() + 3, std::greater<>());
         width = std::max({Power(std::max(size[0] / live * size[1] * size[2], 1e-300), 1.0 / 3),
                           std::sqrt(size[0] / live * size[1]), size[0] / (1 << 10)});
         if (width > 0 && width <= std::numeric_limits<double>::max())
             across = (places.sizes().array() / width).ceil().cast<int>().max(1);
-        else // at one place, or so far apart that the way is no number
+        else // all at one position, or infinitely far apart
             width = std::numeric_limits<double>::max();
         std::vector<std::uint32_t> cell;
         const auto cells = std::uint32_t(across.prod());
@@ -60,9 +61,9 @@ class CloudParts {
             slots[next[cell[i]]++] = std::uint32_t(i);
     }
 
-    /// The slots of all points in the cells of some and in those around, ascending. \param rings of cells around; 0:
-    /// as many as are mostly enough for \p wanted points around each, then set \param reach out: all that is no farther
-    /// away from one of the points is there; infinity: all are
+    /// The slots of all points in the cells of \p some points and in \p rings of cells around, ascending.
+    /// \param rings in, out; 0 is set to a number that is mostly enough for \p wanted points around each
+    /// \param reach out: all points within this distance of \p some are there, world units; infinity: all points are
     std::vector<std::uint32_t> Around(const std::vector<std::uint32_t> &some, std::size_t wanted, int &rings,
                                       double &reach) const {
         Eigen::AlignedBox3i own;
@@ -108,7 +109,7 @@ class CloudParts {
                std::size_t(c[2]);
     }
 
-    /// The rings in which so many points are, three times over, on a sheet that fills cells as these points do.
+    /// The rings that hold three times \p wanted points on a sheet with as many points a cell as \p some have.
     int RingsFor(const std::vector<std::uint32_t> &some, std::size_t wanted) const {
         std::vector<std::size_t> cell;
         cell.reserve(some.size());
@@ -120,7 +121,7 @@ class CloudParts {
         return std::max(1, int(std::ceil(std::min(rings, double(across.maxCoeff())))));
     }
 
-    /// Sets what is no farther along an axis than \p rings from what is set.
+    /// Also flags the cells up to \p rings along an axis from a flagged one.
     static void Widen(std::vector<char> &isNear, std::size_t stride, std::size_t count, int rings) {
         constexpr char given = 1, added = 2;
         const auto each = [&](char &flag, int &since) {
@@ -145,7 +146,7 @@ class CloudParts {
     const Eigen::Matrix3d metric;
     double width = 1;                        ///< of a cell, world units
     Cell across = Cell::Ones();              ///< how many cells
-    std::vector<std::uint32_t> begin, slots; ///< of each cell, and of what is not read
+    std::vector<std::uint32_t> begin, slots; ///< each cell's slots; then those of points that are not read
 };
 
 } // namespace vcg::fcd::detail

@@ -15,7 +15,7 @@
 
 namespace vcg::fcd::detail {
 
-/// Places in Morton order, run by run, each of two parts, as the order jumps here and there.
+/// Runs of places (distinct positions) in Morton order. A run is cut into two parts at its longest jump.
 struct PlaceRuns {
     static constexpr std::size_t size = 64;
 
@@ -42,12 +42,12 @@ struct PlaceRuns {
     }
     std::size_t End(std::size_t r) const { return std::min(places, (r + 1) * size); }
     std::size_t PartOf(std::size_t place) const { return 2 * (place / size) + (place >= cut[place / size]); }
-    /// The largest distance at which neighbours of a part are searched: that of as many places among the ones before
-    /// and behind it in order.
+    /// A distance that holds the neighbours of all places of a part: within it are as many places as a neighbourhood
+    /// looks at, found among those before and behind it in the order.
     double Reach(std::size_t p) const {
         constexpr std::size_t beside = 4, perRun = size / each; // runs
         const std::size_t r = p / 2;
-        double square[(2 * beside + 1) * perRun]; // of how far some of them are at most
+        double square[(2 * beside + 1) * perRun]; // of the largest distance to each group of `each` places
         std::size_t found = 0;
         for (std::size_t s = perRun * (r - std::min(r, beside)); s < std::min(some.size(), perRun * (r + beside + 1));
              ++s)
@@ -57,7 +57,7 @@ struct PlaceRuns {
         if (found < wanted)
             return std::numeric_limits<double>::infinity();
         std::nth_element(square, square + wanted - 1, square + found);
-        return 1.001 * std::sqrt(square[wanted - 1]); // and what is rounded
+        return 1.001 * std::sqrt(square[wanted - 1]); // more than rounding
     }
 
     const std::size_t places;
@@ -66,7 +66,7 @@ struct PlaceRuns {
 
   private:
     static constexpr std::size_t each = 16; // a run is a multiple of it
-    std::vector<Eigen::AlignedBox3d> some;  // of so many places that follow each other
+    std::vector<Eigen::AlignedBox3d> some;  // boxes of each `each` places in the order
 };
 
 } // namespace vcg::fcd::detail

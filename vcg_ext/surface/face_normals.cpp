@@ -11,7 +11,7 @@ namespace vcg::fcd {
 
 namespace {
 
-constexpr std::size_t grainOfFaces = 1024; // fewer turns cost less than what the threads hand each other in them
+constexpr std::size_t grainOfFaces = 1024; // with fewer faces a turn, waiting for turns would cost more
 
 /// Normals of some faces, and their angles at the corners; the normal of a face without an area is 0.
 struct FacesOfRange {
@@ -57,7 +57,7 @@ void FaceNormals(const SurfaceView &surface, const double *position, double *nor
     const std::size_t n = surface.vertexSlots;
     ParallelFor(threads, n, 1 << 16,
                 [&](std::size_t first, std::size_t last) { std::fill(normal + 3 * first, normal + 3 * last, 0.0); });
-    // Added up in the order of the faces: the same bits for any number of threads.
+    // In the order of the faces: the same bits for any number of threads.
     const RangeResults<FacesOfRange> faces(surface.faces, grainOfFaces);
     ParallelForAdding(
         threads, surface.faces, grainOfFaces,
@@ -71,7 +71,7 @@ void FaceNormals(const SurfaceView &surface, const double *position, double *nor
     ParallelFor(threads, n, 1 << 14, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
             Eigen::Map<Eigen::Vector3d> sum(normal + 3 * i);
-            const double length = sum.norm(); // the sum of a few angles at most
+            const double length = sum.norm(); // no overflow: it is at most a sum of angles
             if (length > 0)
                 sum /= length;
         }

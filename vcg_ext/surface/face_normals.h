@@ -6,9 +6,10 @@
 
 namespace vcg::fcd {
 
-/// The normals of a surface, one per vertex slot, of length 1: the sum of those of its faces, times their angles there;
-/// 0 without a face. The same bits for any number of threads.
-/// \param position 3 numbers a vertex slot, in the place of the surface's own \param normal out, 3 numbers a slot
+/// The normals of a surface, one per vertex slot: the sum of the normals of its faces times their angles at the vertex,
+/// of length 1, or 0 without a face. The same bits for any number of threads.
+/// \param position 3 numbers a vertex slot; the surface's own positions are not read
+/// \param normal out, 3 numbers a vertex slot
 void FaceNormals(const SurfaceView &surface, const double *position, double *normal, unsigned threads = 0);
 
 } // namespace vcg::fcd

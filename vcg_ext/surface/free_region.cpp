@@ -25,7 +25,7 @@ namespace vcg::fcd {
 
 namespace {
 
-/// Finds what FreeRegion gives: Classify, then one of the two that reach neighbours.
+/// Finds the result of FreeRegion: Classify, ReachNearest or ReachAlongElements, then TakeRegion.
 class RegionFinder {
   public:
     RegionFinder(const SurfaceView &mesh, const std::vector<int> &tag)
@@ -56,9 +56,8 @@ class RegionFinder {
                 throw detail::NotFinite(i);
     }
 
-    /// Reaches the free points of a cloud and the nearest places of each: those that are its neighbours, or that are
-    /// looked at to find them. Points at one place, or a hair from it, are one.
-    /// \param placesOfAll as of FreeRegion
+    /// Marks as reached the free points of a cloud, and the places that are looked at to find their neighbours. Points
+    /// at one position, or a hair apart, are one place. \param given metric \param placesOfAll as of FreeRegion
     void ReachNearest(const Eigen::Matrix3d &given, const Eigen::AlignedBox3d &placesOfAll, const Progress &progress) {
         Frame world;
         world.SetMetric(given);
@@ -71,7 +70,7 @@ class RegionFinder {
         region.reach = isPart ? INFINITY : 0;
         if (n < 2 || ofFree.isEmpty())
             return;
-        // Strays are left to the cells at the ends: else all others would be in a few.
+        // Strays go to the outermost cells, or all others would share a few cells.
         const auto at = [&](std::size_t k) -> Eigen::Vector3d {
             return given * mesh.At(detail::SlotOf(k, chunks.begin, isLive));
         };
@@ -80,7 +79,7 @@ class RegionFinder {
             ofFree = near;
         const double unit = detail::TakeUnit(chunks.box, box, ofFree);
         const Eigen::Matrix3d metric = given / unit;
-        // Points that become one (SurfaceGraph) lie within some hairs, mostly in one of these cells.
+        // Points that SurfaceGraph welds are some hairs apart, and mostly in one of these cells.
         const double cell = std::max(8 * defaultWeldDistance * ofFree.diagonal().norm(), 1e-300);
         // In Morton order, so that queries that follow each other visit the same memory.
         const Eigen::Vector3d scale = (box.max() * 0.5 - box.min() * 0.5).cwiseMax(1e-300).cwiseInverse() * 0.5;
@@ -95,13 +94,13 @@ class RegionFinder {
                 }
         });
         detail::RadixSortUpper30(order, n, progress.Slice(0, 0.1), "Finding neighbours");
-        const std::unique_ptr<std::uint32_t[]> slotOf = LargeArray<std::uint32_t>(n); // in an order by places
-        std::vector<std::vector<std::uint32_t>> begins((n + grain - 1) / grain);      // of places, by chunks
+        const std::unique_ptr<std::uint32_t[]> slotOf = LargeArray<std::uint32_t>(n); // ordered by place
+        std::vector<std::vector<std::uint32_t>> begins((n + grain - 1) / grain);      // of the places of each chunk
         const auto codeAt = [&](std::size_t i) { return order[i] >> 32; };
         ParallelFor(progress.threads, n, grain, [&](std::size_t first, std::size_t last) {
-            std::vector<std::uint32_t> here; // of the codes that begin in the chunk
+            std::vector<std::uint32_t> here; // of the places whose code begins in the chunk
             here.reserve(last - first);
-            std::vector<std::pair<std::array<double, 3>, std::uint32_t>> same; // of one code
+            std::vector<std::pair<std::array<double, 3>, std::uint32_t>> same; // cells and slots of one code
             std::size_t i = first, next;
             while (i > 0 && i < last && codeAt(i) == codeAt(i - 1))
                 ++i;
@@ -129,7 +128,7 @@ class RegionFinder {
         });
         order.reset();
         begins.back().push_back(std::uint32_t(n));
-        const std::vector<std::uint32_t> start = Together(begins); // of each one's slots
+        const std::vector<std::uint32_t> start = Together(begins); // of each place's slots
         const std::size_t places = start.size() - 1;
         const auto reachPlace = [&](std::size_t place) {
             for (std::size_t k = start[place]; k < start[place + 1]; ++k)
@@ -153,10 +152,10 @@ class RegionFinder {
         });
         ReachAround(point, has.get(), reachPlace, progress.Slice(0.1, 0.9));
         if (isPart)
-            region.reach = unit * (ReachOf(point, has.get(), progress.Slice(0.9, 1)) + 2 * cell); // of a place's points
+            region.reach = unit * (ReachOf(point, has.get(), progress.Slice(0.9, 1)) + 2 * cell); // a place's width
     }
 
-    /// Reaches the vertices of faces and edge elements that have a free one.
+    /// Marks as reached the vertices of faces and edge elements with a free vertex.
     void ReachAlongElements(const Progress &progress) {
         struct Found {
             std::vector<std::uint32_t> faces;
@@ -175,7 +174,7 @@ class RegionFinder {
                     s[j] = Is(slot[j], all);
                 }
                 if (s[0] == s[1] && s[1] == s[2] && !(s[0] & free) && s[0] / few != many)
-                    continue; // held as one, as mostly where little is free
+                    continue; // all corners are held by one tag: most faces, if little is free
                 if (Join(slot, s, 3))
                     here.faces.push_back(std::uint32_t(f));
                 for (int j = 0, k = 1; j < 3; ++j, k = k == 2 ? 0 : k + 1) {
@@ -201,7 +200,7 @@ class RegionFinder {
             }
     }
 
-    /// The last that is asked.
+    /// Call it last.
     Region TakeRegion(const Progress &progress) {
         AssignLarge(region.flag, slots, Region::none);
         ParallelFor(progress, readingStage, slots, grain, [&](std::size_t first, std::size_t last) {
@@ -214,11 +213,11 @@ class RegionFinder {
     }
 
   private:
-    static constexpr char hasFree = 1, hasHeld = 2; // of a place
+    static constexpr char hasFree = 1, hasHeld = 2; // flags of a place
 
-    /// Marks the places with free points and their surroundings. Far from held points, the surroundings are free and
-    /// mark themselves; only places near held points are searched. \param point of each place, in Morton order \param
-    /// has flags of each place
+    /// Calls reachPlace for places with free points and for the places around them. Far from held points those around
+    /// are free, too; so neighbours are searched near held points alone.
+    /// \param point of each place, in Morton order \param has flags of each place
     template <class ReachPlace>
     static void ReachAround(const Eigen::Matrix3Xd &point, const char *has, const ReachPlace &reachPlace,
                             const Progress &progress) {
@@ -228,7 +227,8 @@ class RegionFinder {
         };
         const detail::BoxTree held(std::size_t(point.cols()), boxOfHeld);
         const detail::PlaceRuns runs(point, progress.threads);
-        std::vector<Eigen::AlignedBox3d> around(runs.part.size()); // of parts that are searched
+        std::vector<Eigen::AlignedBox3d> around(
+            runs.part.size()); // boxes with the neighbours of parts near held points
         const std::size_t grain = 256;
         const Progress looking = progress.Slice(0, 0.3);
         ParallelFor(
@@ -256,7 +256,7 @@ class RegionFinder {
                                 for (std::size_t place = r * runs.size; place < runs.End(r); ++place)
                                     touched[first / grain].push_back(place);
                     });
-        const std::vector<std::size_t> there = Together(touched); // places
+        const std::vector<std::size_t> there = Together(touched); // the places in these boxes
         if (there.empty())
             return;
         Eigen::Matrix3Xd position(3, there.size());
@@ -272,12 +272,12 @@ class RegionFinder {
                                 continue;
                             neighbourhood.Look(at);
                             for (Index other : neighbourhood.around)
-                                reachPlace(there[std::size_t(other)]);
+                                reachPlace(there[other]);
                         }
                     });
     }
 
-    /// How far from a free place the farthest place is that is looked at, at most. \param point, has as of ReachAround
+    /// An upper bound of the distance from a free place to the places that are looked at. Parameters as of ReachAround.
     static double ReachOf(const Eigen::Matrix3Xd &point, const char *has, const Progress &progress) {
         const std::size_t wanted = detail::CloudNeighbourhood<double>::most + 1; // and the place itself
         const PointTree<double> blocks(point, progress.threads);
@@ -300,8 +300,8 @@ class RegionFinder {
 
     static constexpr std::size_t grain = detail::VertexChunks::grain;
     static_assert(grain % Region::boxed == 0, "one thread a box");
-    // A byte a vertex: what it is, whether a free neighbour or itself being one makes it part of the region, and, so
-    // that few tags have to be looked up, its tag.
+    // The state of a vertex, a byte: three flags, and its tag times few (many for this tag and all above), so that few
+    // tags have to be looked up.
     static constexpr unsigned char live = 1, free = 2, reached = 4, few = 8, many = 31, all = 255;
 
     unsigned char Is(std::size_t i, unsigned char what) const {
@@ -311,7 +311,7 @@ class RegionFinder {
         if (!Is(i, reached))
             state[i].fetch_or(reached, std::memory_order_relaxed);
     }
-    /// Reaches all corners where one is free. \param s their states \return whether that is so
+    /// Marks all corners as reached, if one is free and none is dead. \param s their states \return whether it did
     bool Join(const std::size_t *slot, const unsigned char *s, int corners) {
         unsigned char any = 0, every = live;
         for (int j = 0; j < corners; ++j) {

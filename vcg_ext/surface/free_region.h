@@ -12,24 +12,26 @@
 
 namespace vcg::fcd {
 
-/// Which vertex slots of a surface deform, and what holds them.
+/// The vertex slots of a surface that can deform, and those that hold them.
 struct Region {
     static constexpr unsigned char none = 0, part = 1, candidate = 2;
-    std::vector<unsigned char> flag;  ///< part: free, or held and joined to a free one; candidate: held, and part of it
-                                      ///< where one that is part has the same position
+    std::vector<unsigned char> flag;  ///< of each slot. part: free, or held beside a free one; candidate: held, and a
+                                      ///< part if it has the position of a part
     std::vector<std::uint32_t> faces; ///< as of SurfaceGraph
     std::vector<std::array<std::uint32_t, 2>> apart; ///< as of SurfaceGraph
     static constexpr std::size_t boxed = 1 << 12;
     std::vector<Eigen::AlignedBox3d> box; ///< of the positions of each \p boxed slots, mesh units
-    /// Of a part of a cloud: what is farther from all free points changes nothing, world units; infinity where there
+    /// Of a part of a cloud: points farther than this from all free points change nothing, world units. Infinity: there
     /// are too few points to tell.
     double reach = 0;
 };
 
-/// The free vertices (\p tag 1) that have a neighbour, and the held ones beside them; those of tag noVertex are left
-/// out. \param metric as of Frame \param places of a part of a cloud: the box that the points of all of it lie in,
-/// world units, without strays. What is one place in all of the cloud then is one here. Empty: its own \throw BadInput
-/// a coordinate of any vertex is not finite
+/// The free vertices (\p tag 1) that have a neighbour, and the held ones beside them. Vertices of tag noVertex are left
+/// out.
+/// \param metric as of Frame
+/// \param places for a part of a cloud: the box of all the cloud's points, without strays, world units, so that points
+/// are welded as in the whole cloud; empty: the box of \p mesh
+/// \throw BadInput a coordinate is not finite
 Region FreeRegion(const SurfaceView &mesh, const std::vector<int> &tag,
                   const Eigen::Matrix3d &metric = Eigen::Matrix3d::Identity(), const Progress &progress = {},
                   const Eigen::AlignedBox3d &places = {});

@@ -17,10 +17,10 @@ namespace vcg::fcd {
 
 namespace {
 
-/// Places of a surface that things near it follow: a sample of vertices so fine that the next one moves alike.
+/// The places of a surface that loose parts follow: a sample of its vertices, so dense that neighbours move alike.
 class Places {
   public:
-    /// \param position 3 x slots, mesh units \param slotTag as of FindLoose \param isPlace slots that may be one
+    /// \param position 3 x slots, mesh units \param slotTag as of FindLoose \param isPlace isPlace(slot): it may be one
     template <class IsPlace>
     Places(const PositionsRef &position, const std::vector<int> &slotTag, const Frame &frame, const IsPlace &isPlace)
         : frame(frame) {
@@ -29,7 +29,7 @@ class Places {
         for (std::size_t i = 0; i < slotTag.size(); ++i)
             if (slotTag[i] != noVertex && isPlace(i))
                 (slotTag[i] == 1 ? bent : held).push_back(i);
-        // Vertices at one position are one place: several of them, as in unwelded meshes, would be all that is nearest.
+        // Vertices at one position are one place: the several of unwelded meshes would leave no room for other places.
         std::set<std::array<double, 3>> seen;
         for (const std::vector<std::size_t> *from : {&bent, &held})
             for (std::size_t i = 0; i < std::min(most, from->size()); ++i) {
@@ -49,7 +49,7 @@ class Places {
 
     bool IsEmpty() const { return slot.empty(); }
 
-    /// The slot of the place nearest to \p p (mesh units). \param distance in the world, out
+    /// The slot of the place nearest to \p p (mesh units). \param distance out, world units
     std::size_t Nearest(const Eigen::Vector3d &p, double &distance) const {
         const std::size_t nearest = slot[std::size_t(tree->Nearest(frame.ToWorld(p) / unit, &distance))];
         distance *= unit;
@@ -57,7 +57,8 @@ class Places {
     }
 
     static constexpr int several = LooseFollowing::several;
-    /// The slots of the places nearest to \p p, and weights of sum 1 that change smoothly with it; -1 fills up.
+    /// The slots of the places nearest to \p p (mesh units), -1 beyond the last one, and weights of sum 1 that change
+    /// smoothly with \p p.
     void Several(const Eigen::Vector3d &p, Index slots[several], float weights[several]) const {
         std::vector<PointTree<double>::Neighbour> nearest;
         tree->Nearest(frame.ToWorld(p) / unit, several + 1, nearest);
@@ -66,7 +67,7 @@ class Places {
         for (const auto &each : nearest)
             found.emplace_back(std::sqrt(each.square), Index(slot[std::size_t(each.point)]));
         std::sort(found.begin(), found.end());
-        const double last = found.empty() ? 0 : found.back().first; // has no weight left
+        const double last = found.empty() ? 0 : found.back().first; // weights fall to 0 at the farthest place
         double sum = 0, weight[several] = {};
         for (int i = 0; i < several; ++i) {
             const bool is = i < int(found.size());
@@ -87,7 +88,7 @@ class Places {
     std::unique_ptr<PointTree<double>> tree;
 };
 
-/// Slots of places become their numbers. Many vertices follow the same ones.
+/// Lists the places that vertices follow, each once, and replaces their slots by indices into that list.
 void NumberPlaces(LooseFollowing &following) {
     for (const LooseFollowing::Vertex &vertex : following.vertex)
         for (const Index slot : vertex.place)

@@ -13,8 +13,8 @@ namespace vcg::fcd {
 
 namespace {
 
-// Where more vertices than these are at a place, as zeros for what a scanner missed, that place is all that is
-// found.
+// If more vertices than these are at one position, as where a scanner writes zeros for missed points, only that
+// position is found.
 constexpr std::size_t mostAsked = std::size_t(16) * (SurfacePlace::most + 1);
 
 } // namespace
@@ -54,10 +54,10 @@ SurfacePlace NearestPlace::Find(const Eigen::Vector3d &p, Hint &hint, const Eige
         if (facing.triangle >= 0)
             nearest = facing;
     }
-    const double rounding = 1e-9; // at a vertex there is no other
+    const double rounding = 1e-9; // smaller weights are 0: at a vertex, it is the only one
     for (int k = 0; k < 3 && nearest.triangle >= 0; ++k)
         if (nearest.weight[k] > rounding) {
-            place.slot[place.count] = (*triangles)[nearest.triangle][std::size_t(k)];
+            place.slot[place.count] = (*triangles)[nearest.triangle][k];
             place.weight[place.count++] = nearest.weight[k];
         }
     return place;
@@ -68,8 +68,8 @@ double NearestPlace::SideOf(const Eigen::Vector3d &p, const Eigen::Vector3d &nor
     return t < 0 ? 0 : triangles->NormalOf(t).dot(normal);
 }
 
-/// The vertices nearest to p, one of those at a place, by weights that fall to 0 at the next one, and are beyond
-/// all others at the vertex itself (R. Franke, G. Nielson, Smooth interpolation of large sets of scattered data,
+/// Weights of the vertices nearest to p, one of those at a position. They fall to 0 at the next vertex, and grow
+/// without bound at the vertex itself (R. Franke, G. Nielson, Smooth interpolation of large sets of scattered data,
 /// 1980).
 void NearestPlace::Among(const Eigen::Vector3d &p, Hint &hint, SurfacePlace &place) const {
     std::array<std::pair<double, Index>, SurfacePlace::most + 1> found; // distances
@@ -91,7 +91,7 @@ void NearestPlace::Among(const Eigen::Vector3d &p, Hint &hint, SurfacePlace &pla
             break; // these are all
     }
     std::sort(found.begin(), found.begin() + std::ptrdiff_t(count));
-    const double farthest = found[0].first > 0 ? found[count - 1].first : 0; // at a vertex there is no other
+    const double farthest = found[0].first > 0 ? found[count - 1].first : 0; // 0: at a vertex, the only one
     double sum = 0;
     for (std::size_t i = 0; i < count; ++i) {
         const double near = std::max(found[i].first / farthest, 1e-6),
@@ -102,7 +102,7 @@ void NearestPlace::Among(const Eigen::Vector3d &p, Hint &hint, SurfacePlace &pla
         place.weight[place.count++] = weight;
         sum += weight;
     }
-    if (place.count == 0) { // one vertex, at it, or all of them equally far
+    if (place.count == 0) { // p is at a vertex, or there is one vertex, or all are equally far
         place.slot[place.count] = found[0].second;
         sum = place.weight[place.count++] = 1;
     }

@@ -19,7 +19,7 @@ namespace detail {
 class TriangleTree;
 }
 
-/// A place on a surface: vertices and their weights, of sum 1.
+/// A place on a surface: slots of vertices and their weights, of sum 1.
 struct SurfacePlace {
     static constexpr int most = 8;
     std::array<Index, most> slot;
@@ -27,47 +27,46 @@ struct SurfacePlace {
     int count = 0;
 };
 
-/// Finds the places of a surface that are nearest to points: on its triangles, or among its vertices where it has none,
-/// of which those at one place count as one.
-/// Any number of threads may ask.
+/// Finds the place of a surface that is nearest to a point: on its triangles, or among its vertices if it has none,
+/// where vertices at one position count as one. Safe for any number of threads.
 class NearestPlace {
   public:
-    /// \param position 3 x slots, which must outlive this \param triangle slots of the corners \param isVertex flags of
-    /// slots, of those that count where there are no triangles \throw Cancelled
-    /// \pre a triangle, or a vertex that counts
+    /// \param position 3 x slots, any unit; must outlive this \param triangle slots of the corners
+    /// \param isVertex flags of slots that count if there are no triangles
+    /// \pre there is a triangle, or a vertex that counts \throw Cancelled
     NearestPlace(const Eigen::Matrix3Xd &position, std::vector<std::array<Index, 3>> triangle,
                  const std::vector<char> &isVertex, const Progress &progress = {});
     ~NearestPlace();
     NearestPlace(const NearestPlace &) = delete;
     NearestPlace &operator=(const NearestPlace &) = delete;
 
-    /// The place nearest to \p p, which changes continuously with it as far as the nearest one does.
+    /// The place nearest to \p p. It changes continuously with \p p wherever the nearest point does.
     SurfacePlace operator()(const Eigen::Vector3d &p) const {
         Hint none;
         return Find(p, none, nullptr);
     }
 
-    /// What was found for one point, to find the next one sooner that is near it; it changes no bit.
+    /// What was found for one point; with it, a point nearby is found faster. It changes no bit of the result.
     struct Hint {
         Index triangle = -1;
         std::size_t block = std::size_t(-1); ///< of vertices, where there are no triangles
     };
     SurfacePlace operator()(const Eigen::Vector3d &p, Hint &hint) const { return Find(p, hint, nullptr); }
 
-    /// The same for a point of another surface that stands for the same shape, as a thinned one does: where the nearest
-    /// triangle looks away from \p normal, as the other wall of a fold does, the nearest one that does not, if it is
-    /// hardly farther away. Two triangulations of a surface whose triangles turn by less than 90 degrees from one to
-    /// the next are less than half an edge apart: so much farther.
+    /// The same for a point of another sampling of the same shape, such as a thinned one. If the nearest triangle faces
+    /// away from \p normal, as the opposite wall of a fold does, the nearest one that faces along it is used, if it is
+    /// at most half an edge farther away: two triangulations of a surface, whose neighbouring triangles turn by less
+    /// than 90 degrees, are nearer to each other than that.
     /// \param normal any length
     SurfacePlace operator()(const Eigen::Vector3d &p, Hint &hint, const Eigen::Vector3d &normal) const {
         return Find(p, hint, &normal);
     }
 
-    /// Whether the normals of points tell the sides of the surface: 1 where they look to where the nearest triangles
-    /// do, -1 where they look the other way, 0 where neither is so for four fifths of them. In folds, a tenth has
-    /// another wall nearest; where triangles look anywhere, a half does.
-    /// \param at at(i): a point \param normal normal(i): its normal; 0: the point is not looked at \param count points;
-    /// some are looked at
+    /// Whether the normals of points agree with the surface: 1 if four fifths of them point to the side that the
+    /// nearest triangles face, -1 if they point to the other side, 0 otherwise. In folds, a tenth of the points has the
+    /// opposite wall nearest; if triangles face at random, half disagree. \param count number of points; about a
+    /// thousand of them are looked at \param at at(i): a point \param normal normal(i): its normal; 0: the point is
+    /// left out
     template <class At, class Normal>
     int SidesTold(std::size_t count, const At &at, const Normal &normal) const {
         const std::size_t looks = 1000; // the share is then known to 1.6 percent
@@ -81,7 +80,7 @@ class NearestPlace {
         return 4 * against < along ? 1 : 4 * along < against ? -1 : 0;
     }
 
-    /// Slots of the corners of its triangles, as they were given. \pre it has some
+    /// Slots of the corners of the triangles, as of construction. \pre there are some
     const std::vector<std::array<Index, 3>> &Triangles() const;
 
   private:
@@ -90,9 +89,9 @@ class NearestPlace {
     double SideOf(const Eigen::Vector3d &p, const Eigen::Vector3d &normal) const;
 
     const Eigen::Matrix3Xd &position;
-    std::unique_ptr<const detail::TriangleTree> triangles; ///< of a surface that has some
-    std::vector<Index> vertex;
-    std::unique_ptr<const PointTree<double>> vertices;
+    std::unique_ptr<const detail::TriangleTree> triangles; ///< null: there are none
+    std::vector<Index> vertex;                             ///< slots of the points in vertices
+    std::unique_ptr<const PointTree<double>> vertices;     ///< if there are no triangles
 };
 
 } // namespace vcg::fcd

@@ -24,23 +24,23 @@
 
 namespace vcg::fcd::detail {
 
-/// What Progress calls the time in which the points of a cloud are joined.
+/// The name of the stage, for Progress.
 constexpr const char *findingNeighbours = "Finding neighbours";
 
-/// The neighbours of a cloud's points.
+/// The neighbours of a cloud's n points.
 struct CloudPairs {
-    std::unique_ptr<Index[]> neighbour;        ///< of each point, ascending
+    std::unique_ptr<Index[]> neighbour;        ///< n x each, ascending for each point
     std::size_t each = 0;                      ///< neighbours a point
-    std::vector<float> area;                   ///< that each point stands for
-    std::vector<std::pair<Index, Index>> same; ///< at one place, the smaller first
-    std::size_t inClumps = 0;                  ///< points that are much nearer to others than these to the next ones
-    std::size_t oneSided = 0;                  ///< points that see only others along a line
+    std::vector<float> area;                   ///< n: that each point stands for
+    std::vector<std::pair<Index, Index>> same; ///< points to weld, the smaller number first
+    std::size_t inClumps = 0;                  ///< points in clumps (CloudNeighbourhood::apart)
+    std::size_t oneSided = 0;                  ///< points whose surroundings all lie along a line
 
     const Index *Row(Index u) const { return neighbour.get() + std::size_t(u) * each; }
     bool Has(Index u, Index v) const {
         const Index *row = Row(u);
         bool has = false;
-        if (each == cloudNeighbours) // compared all at once
+        if (each == cloudNeighbours) // a fixed number is compared at once
             for (int k = 0; k < cloudNeighbours; ++k)
                 has |= row[k] == v;
         else
@@ -49,8 +49,9 @@ struct CloudPairs {
     }
 };
 
-/// \pre points that are near have numbers that are close (Morton order), for speed \param hair units of positions
-/// \param clumps as CloudNeighbourhood finds them are at one place, of any number of points
+/// Finds the neighbours of all points, and those to weld.
+/// \param position in Morton order, for speed \param hair points within it are welded, units of positions
+/// \param clumps points of a clump are welded, too
 inline CloudPairs PairNeighbours(const Eigen::Matrix3Xf &position, float hair, bool clumps, const Progress &progress) {
     const PointTree<float> points(position, progress.threads);
     const std::size_t n = points.Size(), grain = 1 << 8;
@@ -87,14 +88,15 @@ inline CloudPairs PairNeighbours(const Eigen::Matrix3Xf &position, float hair, b
     return pairs;
 }
 
-/// Joins each point with its neighbours, and with those that it is a neighbour of. \param edgeLengths sum, out
+/// The graph with an edge between two points if either is a neighbour of the other. \param edgeLengths out: their sum
+/// \throw BadInput more edges than indices can number
 inline Csr ConnectPoints(const Eigen::Matrix3Xf &position, const CloudPairs &pairs, double &edgeLengths,
                          const Progress &progress) {
     const Index n = Index(position.cols());
     const std::size_t grain = 1 << 14, chunks = (std::size_t(n) + grain - 1) / grain;
-    // Those that a point is a neighbour of, where it is not the same the other way round.
+    // Neighbours in one direction only: v, and the point u that has v as its neighbour.
     std::vector<std::vector<std::pair<Index, Index>>> oneWay(chunks);
-    const std::unique_ptr<std::atomic<std::uint32_t>[]> more(new std::atomic<std::uint32_t>[std::size_t(n)]);
+    const std::unique_ptr<std::atomic<std::uint32_t>[]> more(new std::atomic<std::uint32_t>[n]);
     ParallelFor(progress.threads, std::size_t(n), grain, [&](std::size_t first, std::size_t last) {
         for (std::size_t u = first; u < last; ++u)
             more[u].store(0, std::memory_order_relaxed);
@@ -123,7 +125,7 @@ inline Csr ConnectPoints(const Eigen::Matrix3Xf &position, const CloudPairs &pai
                 [&](std::size_t first, std::size_t last) {
                     for (Index u = Index(first); u < Index(last); ++u)
                         std::copy(pairs.Row(u), pairs.Row(u) + pairs.each, graph.item.data() + graph.begin[u]);
-                    for (const auto &each : oneWay[first / grain]) // in any order, which is mended below
+                    for (const auto &each : oneWay[first / grain]) // in any order; sorted below
                         graph.item[graph.begin[each.first] + pairs.each +
                                    more[each.first].fetch_sub(1, std::memory_order_relaxed) - 1] = each.second;
                 });
@@ -142,10 +144,11 @@ inline Csr ConnectPoints(const Eigen::Matrix3Xf &position, const CloudPairs &pai
     return graph;
 }
 
-/// Where most of a cloud's points are in clumps, each without a neighbour outside of it and much smaller than the way
-/// to the next one, the points of these as pairs at one place; else none: parts of a cloud that lie apart are no
-/// clumps.
+/// Finds clumps of so many points that all neighbours are inside of them: components of the graph that are much smaller
+/// than their distance to the next one.
 /// \param componentOf, components as of ConnectedComponents
+/// \return pairs of points to weld; none unless most of the cloud's points are in clumps, since parts of a cloud that
+/// lie far apart are no clumps
 inline std::vector<std::pair<Index, Index>> ClumpsOf(const Eigen::Matrix3Xf &position,
                                                      const std::vector<Index> &componentOf, Index components,
                                                      const Progress &progress) {
@@ -185,7 +188,7 @@ inline std::vector<std::pair<Index, Index>> ClumpsOf(const Eigen::Matrix3Xf &pos
                     continue;
                 const double sizes = double(box[u].diagonal().norm()) + double(box[v].diagonal().norm());
                 isClump[u] = sizes * CloudNeighbourhood<float>::apart <= std::sqrt(double(each.square));
-                if (std::sqrt(double(each.square)) <= sizes && joined.Root(u) != joined.Root(v)) { // two halves of one
+                if (std::sqrt(double(each.square)) <= sizes && joined.Root(u) != joined.Root(v)) { // halves of a clump
                     joined.Join(u, v);
                     isNew = true;
                 }

@@ -9,7 +9,7 @@
 #include <vector>
 
 /// \file
-/// The one place where the method reads a VCG mesh, of any type: once, by all threads.
+/// Here alone, the method reads a VCG mesh, of any type.
 
 namespace vcg::tri {
 
@@ -31,7 +31,7 @@ void ReadSlots(const MeshType &m, const Element &element, int corners, std::uint
 template <class MeshType, class Rest = std::nullptr_t>
 fcd::SurfaceArrays ReadSurface(const MeshType &m, const fcd::Progress &progress = {}, const Rest &rest = nullptr) {
     constexpr std::size_t grain = 1 << 16;
-    const bool isCompact = std::size_t(m.vn) == m.vert.size(); // then flags of vertices need not be read
+    const bool isCompact = std::size_t(m.vn) == m.vert.size(); // no vertex is deleted
     fcd::SurfaceArrays arrays(m.vert.size(), m.face.size(), m.edge.size(), !isCompact);
     ParallelFor(progress.Slice(0, 0.5), fcd::readingStage, m.vert.size(), grain,
                 [&](std::size_t first, std::size_t last) {
@@ -57,7 +57,7 @@ fcd::SurfaceArrays ReadSurface(const MeshType &m, const fcd::Progress &progress 
     return arrays;
 }
 
-/// Which vertex slots are deleted; empty where none is.
+/// Flags of deleted vertex slots; empty: none is deleted.
 template <class MeshType>
 std::vector<char> DeletedOf(const MeshType &m) {
     std::vector<char> deleted;
@@ -69,7 +69,7 @@ std::vector<char> DeletedOf(const MeshType &m) {
     return deleted;
 }
 
-/// \param tag one per vertex slot \throw fcd::BadInput when there are fewer or more
+/// fcd::CountTags of a mesh. \param tag one per vertex slot \throw fcd::BadInput another number of tags
 template <class MeshType>
 fcd::TagCount CountTags(const MeshType &m, const std::vector<int> &tag, unsigned threads = 0) {
     fcd::ExpectTags(tag, m.vert.size());

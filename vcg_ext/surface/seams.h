@@ -15,23 +15,24 @@
 
 namespace vcg::fcd {
 
-/// Open borders of a surface that run along each other.
+/// Open borders of a surface of n nodes that run along each other.
 struct Seams {
-    std::vector<Index> into; ///< n, the node of the smallest number that each is joined with: itself for most; empty
-                             ///< where none is joined
-    Index joined = 0;        ///< nodes that are joined with one of a smaller number
-    Index gaps = 0; ///< nodes that are not joined with another border's, though nearer to it than a tenth of an edge
+    std::vector<Index> into; ///< n, the smallest node that each is welded to, mostly itself; empty: no node is welded
+    Index joined = 0;        ///< nodes that are welded to a smaller one
+    Index gaps = 0;          ///< nodes not welded, though nearer to another border's node than a tenth of an edge
 };
 
-/// Finds the nodes on open borders that are as good as at one place: no farther from each other than \p distance, and
-/// one of them free, or both held alike. (Else, where every triangle is for itself, each corner on the border of what
-/// is held would be held alone.) \param open n flags: nodes on open borders \param tag as of SurfaceGraph \param beside
-/// n flags, or empty: nodes that only a free one joins \param distance units of the graph's positions, >= 0
+/// Finds the nodes on open borders to weld: those within \p distance of each other, if one of them is free or both are
+/// held by one tag. (Without the latter, in a surface of single triangles each corner at the border of what is held
+/// would be a single node.)
+/// \param open n flags: nodes on open borders \param tag as of SurfaceGraph
+/// \param distance units of the graph's positions, >= 0
+/// \param beside n flags, or empty: nodes that are welded to free ones only
 inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const std::vector<Index> &tag,
                        double distance, const Progress &progress = {}, const std::vector<char> &beside = {}) {
     Seams seams;
-    // In the order along a line that no mesh has borders across: of three, the one along which they reach farthest, so
-    // that not all of them are at one place of it.
+    // Sort the nodes along one of three oblique directions: the one in which they reach farthest, so that few of them
+    // share a position along it.
     Eigen::Vector3f direction = Eigen::Vector3f::Zero();
     float farthest = -1;
     for (const Eigen::Vector3f &each :
@@ -41,15 +42,15 @@ inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const 
         for (Index u = 0; u < graph.Size(); ++u)
             if (open[u])
                 along.extend(Eigen::Matrix<float, 1, 1>(each.dot(graph.position.col(u))));
-        if (const float reach = along.isEmpty() ? 0 : along.sizes()[0]; reach > 1.5f * farthest) { // the first, mostly
+        if (const float reach = along.isEmpty() ? 0 : along.sizes()[0]; reach > 1.5f * farthest) { // mostly the first
             farthest = reach;
             direction = each.normalized();
         }
     }
     struct Place {
-        float along, reach; // reach: a tenth of the shortest edge
-        Index node, first;  // first: of its neighbours; -1 for none
-        std::size_t others; // the next place whose first neighbour is another one: a long fan has few of these
+        float along, reach; // along: position in the direction; reach: a tenth of the shortest edge
+        Index node, first;  // first: its first neighbour, or -1
+        std::size_t others; // index of the next place with another first neighbour; skips the nodes of a long fan
         bool operator<(const Place &o) const { return along != o.along ? along < o.along : node < o.node; }
     };
     std::vector<Place> place;
@@ -69,9 +70,9 @@ inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const 
 
     const auto isFree = [&](Index u) { return tag.empty() || tag[u] == 1; };
     const auto isBeside = [&](Index u) { return !beside.empty() && beside[u]; };
-    const auto areNeighbours = [&](Index u, Index v) { // or have one in common
+    const auto areNeighbours = [&](Index u, Index v) { // or have a common neighbour
         if (graph.adjacency[u].size() > graph.adjacency[v].size())
-            std::swap(u, v); // around the middle of a fan are all the others
+            std::swap(u, v); // the centre of a fan has very many
         const Csr::Row few = graph.adjacency[u], many = graph.adjacency[v];
         return std::any_of(few.begin(), few.end(),
                            [&](Index w) { return w == v || std::binary_search(many.begin(), many.end(), w); });
@@ -87,7 +88,7 @@ inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const 
             const float hair = float(distance) + 2e-7f, reach = std::max(a.reach + 2e-7f, hair); // rounding
             for (std::size_t j = std::size_t(i) + 1; j < place.size() && place[j].along - a.along <= reach; ++j) {
                 const Place &b = place[j];
-                if (b.first == a.first && b.along - a.along > hair) { // with a neighbour in common: no gap
+                if (b.first == a.first && b.along - a.along > hair) { // a common neighbour: no gap
                     j = b.others - 1;
                     continue;
                 }

@@ -10,7 +10,7 @@ namespace vcg::fcd {
 
 namespace {
 
-/// Nodes and slots are numbered by Index, and triangles' neighbours by half of the numbers of 32 bits.
+// Nodes and slots are numbered by Index; elements by 32 bits, the last value of which is `none`.
 constexpr std::size_t mostSlots = std::numeric_limits<Index>::max();
 constexpr std::size_t mostElements = SurfaceView::none - 1;
 

@@ -18,10 +18,10 @@
 namespace vcg::fcd {
 namespace detail {
 
-/// The tag of a place where vertices have two: held where one is, by the smaller one.
+/// The tag of a node whose vertices have two: held if one of them is, by the smaller tag.
 inline Index TagOfBoth(Index a, Index b) { return a == 1 ? b : b == 1 ? a : std::min(a, b); }
 
-/// Reads a mesh, or a region of it, as BuildSurfaceGraph tells.
+/// Does BuildSurfaceGraph.
 class SurfaceReader {
   public:
     SurfaceReader(const SurfaceView &mesh, const Region *region, const std::vector<int> &tag,
@@ -33,7 +33,7 @@ class SurfaceReader {
         hasSeams = !s.report.pointCloud && weldDistance > 0;
     }
 
-    /// Once.
+    /// Call it once.
     SurfaceGraph Read() {
         progress(0, readingStage);
         const auto isPart = [this](std::size_t i) { return IsPart(i); };
@@ -60,13 +60,13 @@ class SurfaceReader {
     std::size_t Live() const { return chunks.Live(); }
 
     Eigen::Vector3f InFrame(const Eigen::Vector3d &world) const {
-        const double most = 1e15; // squares of it are floats
+        const double most = 1e15; // its square is still a float
         const Eigen::Vector3f x = s.frame.FromWorld(world).cwiseMin(most).cwiseMax(-most).template cast<float>();
         return x.array() + 0.f; // no negative zero: equal positions have equal bits
     }
     Eigen::Vector3f InFrame(std::size_t i) const { return InFrame(s.frame.ToWorld(mesh.At(i))); }
 
-    /// Takes in candidates that may be at a part, or a hair from it.
+    /// Adds the candidates that may be at a part, or a hair from it.
     void FindBeside() {
         if (!region)
             return;
@@ -78,7 +78,7 @@ class SurfaceReader {
             *region, Live(), candidates, [&](std::size_t i) { return InFrame(i); },
             [&](const Eigen::Vector3d &p) { return InFrame(s.frame.ToWorld(p)); },
             {InFrame(chunks.box.min()), InFrame(chunks.box.max())}, hair, progress.Slice(0.05, 0.06));
-        if (found.empty()) // as mostly
+        if (found.empty()) // mostly
             return;
         beside.assign(slots, 0);
         for (std::uint32_t i : found)
@@ -96,7 +96,7 @@ class SurfaceReader {
                     welder.Put(at++, i, InFrame(i));
         });
         welder.Sort(progress.Slice(0.1, 0.2));
-        // With seams, it is known after them which of those beside stay.
+        // With seams, FindSeams decides which vertices beside stay.
         welder.FindNodes([&](std::size_t i) { return !hasSeams && IsBeside(i); }, progress.Slice(0.2, 0.3));
         s.report.welded = Index(welder.Kept()) - welder.Nodes();
         AssignLarge(s.slots, welder.Kept(), std::uint32_t(0));
@@ -141,8 +141,8 @@ class SurfaceReader {
         }
     }
 
-    /// Flags of nodes of vertices beside alone, which only a seam makes part of it; empty for none. Does not count
-    /// their vertices as welded.
+    /// Flags of nodes that have vertices beside alone: these stay only if a seam welds them. Empty: none. Leaves their
+    /// vertices out of the count of welded ones.
     std::vector<char> NodesBeside() {
         std::vector<char> near;
         if (beside.empty())
@@ -159,10 +159,10 @@ class SurfaceReader {
         return near;
     }
 
-    /// Makes nodes on open borders a hair apart one, and leaves out those beside that are joined with none.
+    /// Welds nodes on open borders a hair apart, and leaves out nodes beside that are welded to none.
     /// \param open flags as of TriangleGraph
-    /// \param list renumbered like the nodes; triangles between held nodes alone become points
-    /// \return whether a node went: then the triangles have to be connected again
+    /// \param list renumbered as the nodes; triangles with held nodes only become points
+    /// \return whether nodes were dropped: then the triangles have to be connected again
     bool JoinSeams(std::vector<char> &open, TriangleList &list) {
         const std::vector<char> near = NodesBeside();
         for (std::size_t u = 0; u < near.size(); ++u)
@@ -182,14 +182,14 @@ class SurfaceReader {
         return true;
     }
 
-    /// Joins points of a cloud that are a hair apart, then all with their neighbours. Held points, of whose neighbours
-    /// only those beside free ones are known, get no area. \return sum of the edges' lengths
+    /// Welds points of a cloud that are a hair apart, then connects neighbours. Held points get no area, since not all
+    /// of their neighbours are read. \return sum of the edges' lengths
     double ConnectCloud() {
         bool clumps = false;
-        for (;;) { // of many points a hair apart, some more come to light once the first ones are joined
+        for (;;) { // welding can bring more points to weld into reach
             const Eigen::Matrix3Xf &x = s.graph.position;
             CloudPairs pairs = PairNeighbours(x, float(weldDistance), clumps, progress.Slice(0.4, 0.8));
-            if (!clumps && 100 * pairs.inClumps > std::size_t(x.cols())) { // by chance, one in a thousand
+            if (!clumps && 100 * pairs.inClumps > std::size_t(x.cols())) { // ten times what chance makes
                 clumps = true;
                 continue;
             }
@@ -218,8 +218,8 @@ class SurfaceReader {
         }
     }
 
-    /// Makes nodes one. \param into as of Seams \param leftOut flags of nodes, or empty, that go unless another is
-    /// joined with them. Sets newIndex.
+    /// Welds nodes; sets newIndex. \param into as of Seams \param leftOut flags of nodes, or empty: nodes that are
+    /// dropped unless another node is welded to them
     void JoinNodes(std::vector<Index> into, const std::vector<char> &leftOut) {
         Eigen::Matrix3Xf &x = s.graph.position;
         const Index n = Index(x.cols());
@@ -260,9 +260,9 @@ class SurfaceReader {
     const double weldDistance;
     const std::size_t slots;
     bool hasSeams;
-    VertexChunks chunks;               // of the parts, and of those beside
-    std::vector<unsigned char> beside; // flags of slots; empty for none
-    std::vector<Index> newIndex;       // of each node before the last JoinNodes, -1 for none
+    VertexChunks chunks;               // of the parts, and of the vertices beside
+    std::vector<unsigned char> beside; // flags of the slots of FindBeside; empty: none
+    std::vector<Index> newIndex;       // of each node before the last JoinNodes; -1: dropped
     SurfaceGraph s;
 };
 

@@ -18,22 +18,22 @@ std::vector<Index> NodesWithin(const Graph &graph, const std::vector<Index> &see
     if (distances)
         distances->clear();
     for (const Index seed : seeds) {
-        if (distanceOf[std::size_t(seed)] == unknown)
+        if (distanceOf[seed] == unknown)
             queue.emplace(0, seed);
-        distanceOf[std::size_t(seed)] = 0;
+        distanceOf[seed] = 0;
     }
     while (!queue.empty()) {
         const auto [d, u] = queue.top();
         queue.pop();
-        if (d > distanceOf[std::size_t(u)])
-            continue; // reached by a shorter way since
+        if (d > distanceOf[u])
+            continue; // a shorter path was found since
         found.push_back(u);
         if (distances)
             distances->push_back(d);
         for (Index v : graph.adjacency[u]) {
             const double there = d + double((graph.position.col(v) - graph.position.col(u)).norm());
-            if (there <= radius && there < distanceOf[std::size_t(v)]) {
-                distanceOf[std::size_t(v)] = there;
+            if (there <= radius && there < distanceOf[v]) {
+                distanceOf[v] = there;
                 queue.emplace(there, v);
             }
         }

@@ -8,10 +8,8 @@
 
 namespace vcg::fcd {
 
-/// The nodes that are at most \p radius from one of \p seeds along the edges of the graph (Dijkstra 1959), these
-/// included, nearest first. Costs as much as the nodes it finds, and room for a number for each node.
-/// \param radius in units of graph.position, >= 0 \param distances gets how far each of them is, same units; may be
-/// null
+/// The nodes within \p radius of one of \p seeds along the edges of the graph (Dijkstra 1959), nearest first; seeds are
+/// among them. \param radius units of graph.position, >= 0 \param distances out: of each of them; may be null
 std::vector<Index> NodesWithin(const Graph &graph, const std::vector<Index> &seeds, double radius,
                                std::vector<double> *distances = nullptr);
 

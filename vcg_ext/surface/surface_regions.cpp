@@ -9,12 +9,12 @@ namespace vcg::fcd {
 
 void SurfaceRegions::Of(const Graph &graph, Index node, std::vector<Index> &regions) const {
     regions.clear();
-    if (regionOf[std::size_t(node)] >= 0) {
-        regions.push_back(regionOf[std::size_t(node)]);
+    if (regionOf[node] >= 0) {
+        regions.push_back(regionOf[node]);
         return;
     }
     for (Index v : graph.adjacency[node])
-        if (const Index region = regionOf[std::size_t(v)]; region >= 0 && (regions.empty() || regions.back() != region))
+        if (const Index region = regionOf[v]; region >= 0 && (regions.empty() || regions.back() != region))
             regions.push_back(region);
     std::sort(regions.begin(), regions.end());
     regions.erase(std::unique(regions.begin(), regions.end()), regions.end());
@@ -23,7 +23,7 @@ void SurfaceRegions::Of(const Graph &graph, Index node, std::vector<Index> &regi
 FreeComponents FindComponents(const SurfaceGraph &surface, const std::vector<Index> &tag, const Progress &progress) {
     FreeComponents found;
     const Csr &adjacency = surface.graph.adjacency;
-    const auto isFree = [&](Index u) { return tag[std::size_t(u)] == 1; };
+    const auto isFree = [&](Index u) { return tag[u] == 1; };
     found.count = ConnectedComponents(
         adjacency, isFree, [](Index, Index) { return true; }, found.componentOf, progress, readingStage);
     found.isHeld.assign(std::size_t(found.count), 0);
@@ -36,9 +36,9 @@ FreeComponents FindComponents(const SurfaceGraph &surface, const std::vector<Ind
     found.connected = found.count + Index(held.size());
     for (std::size_t i = 0; i < held.size(); ++i)
         for (Index v : adjacency[held[i]]) {
-            Index other = found.componentOf[std::size_t(v)];
+            Index other = found.componentOf[v];
             if (other >= 0)
-                found.isHeld[std::size_t(other)] = 1;
+                found.isHeld[other] = 1;
             else
                 other = found.count + Index(std::lower_bound(held.begin(), held.end(), v) - held.begin());
             found.connected -= joined.Join(found.count + Index(i), other);
@@ -55,22 +55,21 @@ SurfaceRegions FindRegions(const SurfaceGraph &surface, FreeComponents component
     regions.regionOf = std::move(components.componentOf);
     if (regions.count < components.count)
         for (Index &region : regions.regionOf)
-            region = region < 0 ? -1 : number[std::size_t(region)];
+            region = region < 0 ? -1 : number[region];
     if (regions.count <= SurfaceRegions::most)
         return regions;
     std::vector<double> area(std::size_t(regions.count), 0);
     for (Index u = 0; u < surface.graph.Size(); ++u)
-        if (const Index region = regions.regionOf[std::size_t(u)]; region >= 0)
-            area[std::size_t(region)] += double(surface.nodeArea[std::size_t(u)]);
+        if (const Index region = regions.regionOf[u]; region >= 0)
+            area[region] += double(surface.nodeArea[u]);
     std::vector<Index> order(area.size()), place(area.size());
     std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](Index a, Index b) { return area[std::size_t(a)] > area[std::size_t(b)]; });
+    std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return area[a] > area[b]; });
     const Index last = SurfaceRegions::most - 1;
     for (Index i = 0; i < regions.count; ++i)
-        place[std::size_t(order[std::size_t(i)])] = std::min(i, last);
+        place[std::size_t(order[i])] = std::min(i, last);
     for (Index &region : regions.regionOf)
-        region = region < 0 ? -1 : place[std::size_t(region)];
+        region = region < 0 ? -1 : place[region];
     regions.together = regions.count - last;
     regions.count = SurfaceRegions::most;
     return regions;
@@ -85,7 +84,7 @@ std::size_t RegionSource::Find(std::size_t inMesh) const {
 
 namespace {
 
-/// Takes the parts of a mesh, as TakeRegions tells.
+/// Does TakeRegions.
 class RegionTaker {
   public:
     RegionTaker(const RegionSource &source, const SurfaceGraph &surface, const std::vector<Index> &tag,
@@ -97,7 +96,7 @@ class RegionTaker {
             if (const Index u = NodeOf(i); u >= 0) {
                 regions.Of(surface.graph, u, of);
                 for (Index region : of)
-                    parts[std::size_t(region)].point.push_back(i);
+                    parts[region].point.push_back(i);
             }
     }
 
@@ -118,18 +117,18 @@ class RegionTaker {
     Index NodeOf(std::size_t slot) const { return surface.nodeOf[slot]; }
     bool IsFreeIn(std::size_t r, std::size_t slot) const {
         const Index u = NodeOf(slot);
-        return u >= 0 && regions.regionOf[std::size_t(u)] == Index(r);
+        return u >= 0 && regions.regionOf[u] == Index(r);
     }
-    /// The region of an element, -1 for none: that of a free corner. \param corner its \p count slots
+    /// The region of an element's free corners; -1: none is free. \param corner its \p count slots
     Index RegionOf(const std::uint32_t *corner, int count) const {
         for (int k = 0; k < count; ++k)
-            if (const Index u = NodeOf(corner[k]); u >= 0 && regions.regionOf[std::size_t(u)] >= 0)
-                return regions.regionOf[std::size_t(u)];
+            if (const Index u = NodeOf(corner[k]); u >= 0 && regions.regionOf[u] >= 0)
+                return regions.regionOf[u];
         return -1;
     }
 
-    /// The regions that an element without a free node holds, ascending: those beside its free vertices, which are at
-    /// the place of held ones.
+    /// The regions that an element without a free node belongs to, ascending: those beside its free vertices, which
+    /// share nodes with held ones.
     std::vector<Index> HeldBy(const std::uint32_t *corner, int count) const {
         std::vector<Index> all, of;
         for (int k = 0; k < count; ++k)
@@ -142,7 +141,7 @@ class RegionTaker {
         return all;
     }
 
-    /// The faces and edge elements of each part, and the slots that these alone bring into it.
+    /// Lists the faces and edge elements of each part, and their slots that are not free in it.
     void ListElements(const Progress &progress) {
         std::vector<Index> regionOf;
         AssignLarge(regionOf, surface.faces.size(), Index(-1));
@@ -167,7 +166,7 @@ class RegionTaker {
             } else {
                 const std::uint32_t *corner = mesh.corner + 3 * std::size_t(surface.faces[f]);
                 for (Index region : HeldBy(corner, 3)) {
-                    parts[std::size_t(region)].faceOf.push_back(surface.faces[f]);
+                    parts[region].faceOf.push_back(surface.faces[f]);
                     addCorners(region, corner, 3, more);
                 }
             }
@@ -178,13 +177,13 @@ class RegionTaker {
                 if (of[0] < 0)
                     of = HeldBy(end, 2);
                 for (Index region : of) {
-                    edges[std::size_t(region)].push_back(e);
+                    edges[region].push_back(e);
                     addCorners(region, end, 2, more);
                 }
             }
     }
 
-    /// The slots of each part: the free ones, those of what holds it, and those of its elements.
+    /// Lists the slots of each part: free ones, those that hold it, and those of its elements.
     void ListSlots(const Progress &progress) {
         std::vector<std::vector<std::pair<Index, std::uint32_t>>> found((mesh.vertexSlots + grain - 1) / grain);
         ParallelFor(progress, readingStage, mesh.vertexSlots, grain, [&](std::size_t first, std::size_t last) {
@@ -194,11 +193,11 @@ class RegionTaker {
                 const Index u = NodeOf(i);
                 if (u < 0)
                     continue;
-                if (tag[std::size_t(u)] == 1)
-                    of.assign(1, regions.regionOf[std::size_t(u)]);
+                if (tag[u] == 1)
+                    of.assign(1, regions.regionOf[u]);
                 else if (slotTag[i] != 1)
                     regions.Of(surface.graph, u, of);
-                else // at the place of a held one: what it belongs to, its elements tell
+                else // free, but shares a held node: ListElements adds it
                     continue;
                 for (Index region : of)
                     if (region >= 0)
@@ -207,7 +206,7 @@ class RegionTaker {
         });
         for (auto &list : found) {
             for (const auto &[region, slot] : list)
-                parts[std::size_t(region)].slotOf.push_back(slot);
+                parts[region].slotOf.push_back(slot);
             list = {};
         }
         for (std::size_t r = 0; r < parts.size(); ++r)
@@ -234,8 +233,8 @@ class RegionTaker {
                 Eigen::Map<Eigen::Vector3d>(part.arrays.Position(i)) = mesh.At(part.slotOf[i]);
                 const std::size_t slot = part.slotOf[i];
                 const Index u = NodeOf(slot);
-                // What only a face without an area joins with it is free elsewhere, and held here.
-                const bool isOfOthers = u >= 0 && tag[std::size_t(u)] == 1 && !IsFreeIn(r, slot);
+                // A vertex that only a degenerate face brings in is free in another region, and held in this one.
+                const bool isOfOthers = u >= 0 && tag[u] == 1 && !IsFreeIn(r, slot);
                 part.tag[i] = isOfOthers ? 0 : slotTag[slot];
                 if (IsFreeIn(r, slot))
                     local[slot] = std::uint32_t(i);
@@ -271,8 +270,8 @@ class RegionTaker {
     const SurfaceRegions &regions;
     std::vector<RegionSource> parts;
     std::vector<std::vector<std::size_t>> edges;       // of each part
-    std::vector<std::uint32_t> local;                  // of each slot that is free: its place in its part
-    std::vector<std::pair<Index, std::uint32_t>> more; // parts, and slots that their elements bring into them
+    std::vector<std::uint32_t> local;                  // of each free slot: its slot in its part
+    std::vector<std::pair<Index, std::uint32_t>> more; // a part, and a slot that an element brings into it
 };
 
 } // namespace

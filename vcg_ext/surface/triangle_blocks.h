@@ -23,10 +23,10 @@ struct TriangleBlocks {
     };
     Index nodes;
     int shift;                      ///< node u is in block u >> shift
-    std::vector<std::size_t> begin; ///< blocks + 1, of each block's triangles
+    std::vector<std::size_t> begin; ///< blocks + 1: where each block's triangles begin
     std::unique_ptr<Triangle[]> triangle;
 
-    /// A neighbour and, in the lowest bit, whether a face is what joins it.
+    /// A neighbour and, in the lowest bit, whether a face (not a bare edge) joins it.
     using Entry = std::uint32_t;
 
     /// Nodes [first, last) and their triangles.
@@ -36,7 +36,7 @@ struct TriangleBlocks {
 
         bool Has(Index u) const { return u >= first && u < last; }
 
-        /// body(node - first, next, previous), the last two as Entry, for every corner in the block
+        /// Calls body(node - first, next, previous), the last two as Entry, for each corner in the block.
         template <class Body>
         void ForCorners(const Body &body) const {
             for (const Triangle *t = begin; t < end; ++t) {
@@ -55,7 +55,6 @@ struct TriangleBlocks {
             }
         }
     };
-    /// The shift for so many nodes.
     static int ShiftFor(Index nodes) {
         int shift = 12;
         while ((nodes - 1) >> shift >= 1024)
@@ -87,7 +86,8 @@ inline TriangleBlocks SortIntoBlocks(Index nodes, const Index *corner, std::size
     };
 
     // Count, prefix sum, fill.
-    std::vector<std::size_t> at(chunks * blocks, 0); // of each chunk's triangles in each block
+    std::vector<std::size_t> at(chunks * blocks,
+                                0); // of each chunk: number, then begin, of its triangles in each block
     ParallelFor(progress.Slice(0, 1.0 / 3), readingStage, triangles, grain, [&](std::size_t first, std::size_t last) {
         std::size_t *count = &at[first / grain * blocks];
         for (std::size_t t = first; t < last; ++t)

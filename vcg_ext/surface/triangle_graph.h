@@ -20,24 +20,24 @@
 
 namespace vcg::fcd::detail {
 
-/// Triangles of a graph's nodes. One with a repeated corner counts as the edge that is left of it, and one with three
-/// equal corners not at all.
+/// Triangles between nodes. A triangle with a repeated corner stands for an edge; one with three equal corners counts
+/// for nothing.
 struct TriangleList {
     std::unique_ptr<Index[]> corner; ///< 3 x count nodes
     std::size_t count = 0;
     Index degenerateFaces = 0; ///< as of SurfaceReport
 };
 
-/// The faces and edge elements of a mesh, without those that are deleted, that have a vertex without a node, or that
-/// are between held nodes alone.
-/// \param faces that are taken, nullptr for all \param nodeOf as of SurfaceGraph \param isHeld isHeld(node)
+/// The faces and edge elements of a mesh, except deleted ones, those with a vertex without a node, and those with held
+/// nodes only.
+/// \param faces indices of the faces to read; nullptr: all \param nodeOf as of SurfaceGraph \param isHeld isHeld(node)
 template <class IsHeld>
 TriangleList ElementTriangles(const SurfaceView &mesh, const std::vector<std::uint32_t> *faces,
                               const std::vector<Index> &nodeOf, const IsHeld &isHeld, const Progress &progress) {
     const std::size_t faceCount = faces ? faces->size() : mesh.faces, grain = 1 << 16;
     TriangleList list;
     list.corner = LargeArray<Index>(3 * (faceCount + mesh.edges));
-    // Puts the element's nodes at \p to. \return whether it is taken
+    // Writes the element's nodes to \p to. \return whether it counts
     const auto take = [&](const std::uint32_t *slot, int corners, Index *to) {
         for (int j = 0; j < 3; ++j) {
             to[j] = nodeOf[slot[std::min(j, corners - 1)]];
@@ -63,7 +63,7 @@ TriangleList ElementTriangles(const SurfaceView &mesh, const std::vector<std::ui
             }
         counts[first / grain] = count;
     });
-    for (std::size_t c = 0; c < counts.size(); ++c) { // close the gaps between the lists; mostly there are none
+    for (std::size_t c = 0; c < counts.size(); ++c) { // close the gaps between the chunks; mostly there are none
         const Index *from = &list.corner[3 * c * grain];
         if (list.count != c * grain)
             std::copy(from, from + 3 * counts[c].triangles, &list.corner[3 * list.count]);
@@ -75,17 +75,17 @@ TriangleList ElementTriangles(const SurfaceView &mesh, const std::vector<std::ui
     return list;
 }
 
-/// \throw BadInput more items of an adjacency, two an edge, than it can number
+/// \param items of an adjacency: two an edge \throw BadInput more than 32 bits can number
 inline void CheckEdges(std::size_t items) {
     if (items > std::uint32_t(-1))
         throw BadInput("The mesh has more than two thousand million edges; simplify it first.");
 }
 
-/// A graph of triangles, and what is measured on the way.
+/// The graph that triangles make of nodes, and what is measured on the way.
 struct TriangleGraph {
     Csr adjacency;
     Index nonManifoldEdges = 0;
-    Index repeatedFaces = 0; ///< triangles that have the same corners as one before them, which count for nothing
+    Index repeatedFaces = 0; ///< triangles with the same corners as one before them; these count for nothing
     double edgeLengths = 0;  ///< sum over all edges
     std::vector<float> area; ///< of each node: a third of its triangles
     std::vector<char> open;  ///< of each node: whether one of its edges has a single face
@@ -98,8 +98,8 @@ struct ConnectedBlock {
     double edgeLengths = 0;
 };
 
-/// The triangles of a block without those that have the same corners, in any order, as one before them; degenerate ones
-/// stay. \return empty where there is none such
+/// The triangles of a block without repeated ones: those with the same corners, in any order, as one before them.
+/// Degenerate ones stay. \return empty if none is repeated
 inline std::vector<TriangleBlocks::Triangle> DistinctTriangles(const TriangleBlocks::Block &in) {
     const auto count = std::size_t(in.end - in.begin);
     std::size_t places = 2;
@@ -134,7 +134,7 @@ inline std::vector<TriangleBlocks::Triangle> DistinctTriangles(const TriangleBlo
 }
 
 /// Whether two of the triangles around a node have the same corners.
-/// \param entry two of each triangle: its other corners; the same ones are that of an edge
+/// \param entry the other two corners of each triangle; equal ones stand for an edge
 inline bool HasRepeated(const TriangleBlocks::Entry *entry, std::size_t triangles) {
     constexpr std::size_t few = 12; // pairs that are compared faster than sorted
     const auto pair = [&](std::size_t i) { return std::minmax(entry[2 * i], entry[2 * i + 1]); };
@@ -153,12 +153,12 @@ inline bool HasRepeated(const TriangleBlocks::Entry *entry, std::size_t triangle
     return std::adjacent_find(pairs.begin(), pairs.end()) != pairs.end();
 }
 
-/// Joins the corners of a block's triangles. Around a node whose triangles form a closed, evenly oriented fan, the
-/// corners that come next are every neighbour once; a checksum of next minus previous corners tells the other nodes,
-/// for which both are taken. Where triangles have the same corners, that shows in a closed fan as a neighbour that
-/// comes next twice, or as a fan of two; around the other nodes they are compared. \param graph gets area and open of
-/// the block's nodes, and how many neighbours node u has in adjacency.begin[u + 1] \param isDistinct no two have the
-/// same corners
+/// Connects the nodes of a block. Around a node with a closed, evenly oriented fan of triangles, their next corners are
+/// each neighbour once. A checksum of next minus previous corners finds the other nodes; for these, both corners are
+/// listed. Repeated triangles show in a closed fan as a neighbour that comes next twice, or as a fan of two; around
+/// other nodes they are compared.
+/// \param graph out: area and open of the block's nodes, and the number of node u's neighbours in adjacency.begin[u +
+/// 1] \param isDistinct no triangle is repeated
 inline ConnectedBlock ConnectBlock(const Eigen::Matrix3Xf &position, const TriangleBlocks::Block &in,
                                    TriangleGraph &graph, bool isDistinct = false) {
     using Entry = TriangleBlocks::Entry;
@@ -234,9 +234,9 @@ inline ConnectedBlock ConnectBlock(const Eigen::Matrix3Xf &position, const Trian
     return block;
 }
 
-/// Joins the corners of triangles, as of TriangleList, block by block.
-/// \param corner 3 x triangles nodes
-/// \pre neighbours have numbers that are close (Morton order), for speed
+/// The graph of the triangles of a TriangleList, made block by block.
+/// \param position 3 x nodes, in Morton order for speed \param corner 3 x triangles nodes
+/// \throw BadInput as CheckEdges \throw Cancelled
 inline TriangleGraph ConnectTriangles(const Eigen::Matrix3Xf &position, const Index *corner, std::size_t triangles,
                                       const Progress &progress) {
     const Index nodes = Index(position.cols());
@@ -251,7 +251,7 @@ inline TriangleGraph ConnectTriangles(const Eigen::Matrix3Xf &position, const In
                 [&](std::size_t b, std::size_t) { done[b] = ConnectBlock(position, in[b], graph); });
     in.triangle.reset();
 
-    // All of it in one.
+    // Join the blocks.
     std::vector<std::size_t> itemBegin(blocks + 1, 0);
     for (std::size_t b = 0; b < blocks; ++b) {
         itemBegin[b + 1] = itemBegin[b] + done[b].item.size();

@@ -12,7 +12,7 @@ TriangleStretch StretchOf(const Eigen::Vector3d &a, const Eigen::Vector3d &b, co
     if (!(twice > 0) || !std::isfinite(twice) || !nowA.allFinite() || !nowB.allFinite())
         return stretch;
     stretch.area = twice / 2;
-    // Where the unit vector along a goes, and the one that is perpendicular to it.
+    // The images of the unit vector along a, and of the one perpendicular to it.
     const Eigen::Vector3d along = nowA / length, across = (nowB - a.dot(b) / length * along) * (length / twice);
     const double mean = (along.squaredNorm() + across.squaredNorm()) / 2;
     const double difference = (along.squaredNorm() - across.squaredNorm()) / 2, both = along.dot(across);

@@ -9,11 +9,10 @@
 
 namespace vcg::fcd {
 
-/// How a triangle is stretched: what lengths along two perpendicular directions in its plane are multiplied by.
+/// The stretch of a triangle: the factors of length in the two principal directions of its plane.
 struct TriangleStretch {
     double largest = 1, smallest = 1; ///< >= 0; 1: as long as at rest, 2: twice as long
-    double area = 0;                  ///< at rest, the square of the unit of the edges; 0: it has none, and the others
-                                      ///< say nothing
+    double area = 0;                  ///< at rest, the edges' unit^2; if 0, the factors have no meaning
 
     /// The stretch that is farther from 1, as a power of two: 1 is twice as long, -1 half as long, 0 as it was.
     /// [-16, 16]
@@ -23,8 +22,7 @@ struct TriangleStretch {
     }
 };
 
-/// \param a, b two edges from one corner at rest \param nowA, nowB the same edges now, in the same unit; any place and
-/// direction
+/// \param a, b two edges from one corner at rest \param nowA, nowB the same edges deformed, same unit
 TriangleStretch StretchOf(const Eigen::Vector3d &a, const Eigen::Vector3d &b, const Eigen::Vector3d &nowA,
                           const Eigen::Vector3d &nowB);
 

@@ -49,22 +49,22 @@ inline Eigen::Vector3d WeightsOfNearest(const Eigen::Vector3d &a, const Eigen::V
     return {va / sum, vb / sum, vc / sum};
 }
 
-/// The triangle nearest to a point, of those with the least square of its distance, as computed, the first one. A tree
-/// of boxes around four boxes or triangles each, which are looked at together; they only tell what cannot be nearest,
-/// by more than all that is rounded, so no bit of what is found depends on them.
+/// Finds the triangle nearest to a point; of equally near ones, the first. A tree of boxes around four boxes or
+/// triangles each. Boxes only rule out what is farther away by more than rounding, so the tree changes no bit of the
+/// result.
 class TriangleTree {
   public:
-    /// A triangle, the weights of its corners in its point that is nearest, and the square of the distance.
+    /// The nearest triangle, and the conditions of the search.
     struct Nearest {
-        Index triangle = -1;
-        Eigen::Vector3d weight = Eigen::Vector3d::Zero();
-        double square = std::numeric_limits<double>::max();
-        const Eigen::Vector3d *facing = nullptr; ///< where the fronts of those that count look to; null: all count
-        const std::function<bool(Index)> *counts = nullptr; ///< whether a triangle counts; null: all do
+        Index triangle = -1;                                ///< -1: none
+        Eigen::Vector3d weight = Eigen::Vector3d::Zero();   ///< barycentric coordinates of the nearest point
+        double square = std::numeric_limits<double>::max(); ///< of the distance
+        const Eigen::Vector3d *facing = nullptr;            ///< only triangles that face along it count; null: all
+        const std::function<bool(Index)> *counts = nullptr; ///< only triangles for which it is true count; null: all
     };
 
-    /// \param position 3 x slots, which must outlive this; no number beyond 1e100
-    /// \param triangle slots of the corners, at least one triangle \throw Cancelled
+    /// \param position 3 x slots, any unit, no number beyond 1e100; must outlive this
+    /// \param given slots of the corners, at least one triangle \throw Cancelled
     TriangleTree(const Eigen::Matrix3Xd &position, std::vector<std::array<Index, 3>> given,
                  const Progress &progress = {})
         : position(position), triangle(std::move(given)), middle(triangle.size()) {
@@ -82,9 +82,9 @@ class TriangleTree {
         std::vector<Eigen::Vector3d>().swap(middle);
     }
 
-    const std::array<Index, 3> &operator[](Index t) const { return triangle[std::size_t(t)]; }
+    const std::array<Index, 3> &operator[](Index t) const { return triangle[t]; }
     const std::vector<std::array<Index, 3>> &Triangles() const { return triangle; }
-    /// \param p no number beyond 1e100 \param begin a triangle that may be near, which changes no bit; -1: none
+    /// \param p no number beyond 1e100 \param begin a triangle that may be near, for speed; -1: none
     Nearest operator()(const Eigen::Vector3d &p, Index begin) const {
         Nearest nearest;
         if (begin >= 0)
@@ -92,8 +92,7 @@ class TriangleTree {
         Search(p, begin, nearest);
         return nearest;
     }
-    /// The same among those whose front looks to where \p normal does, by less than 90 degrees, no farther away than
-    /// \p reach; none where there is none.
+    /// The same among triangles whose normal makes less than 90 degrees with \p normal, within \p reach.
     Nearest Facing(const Eigen::Vector3d &p, const Eigen::Vector3d &normal, double reach) const {
         Nearest nearest;
         nearest.square = reach * reach;
@@ -101,21 +100,21 @@ class TriangleTree {
         Search(p, -1, nearest);
         return nearest;
     }
-    /// The same among those of which \p counts is true, at any distance; none where there is none.
+    /// The same among triangles for which \p counts is true.
     Nearest Among(const Eigen::Vector3d &p, const std::function<bool(Index)> &counts) const {
         Nearest nearest;
         nearest.counts = &counts;
         Search(p, -1, nearest);
         return nearest;
     }
-    /// Towards the front of a triangle, as long as twice its area.
+    /// The normal of a triangle, as long as twice its area.
     Eigen::Vector3d NormalOf(Index t) const {
-        const auto &corners = triangle[std::size_t(t)];
+        const auto &corners = triangle[t];
         const Eigen::Vector3d a = position.col(corners[0]), b = position.col(corners[1]), c = position.col(corners[2]);
         return (b - a).cross(c - a);
     }
     double LongestEdgeOf(Index t) const {
-        const auto &corners = triangle[std::size_t(t)];
+        const auto &corners = triangle[t];
         double square = 0;
         for (std::size_t k = 0; k < 3; ++k)
             square = std::max(square, (position.col(corners[k]) - position.col(corners[(k + 1) % 3])).squaredNorm());
@@ -125,14 +124,14 @@ class TriangleTree {
   private:
     static constexpr const char *stage = "Sorting the triangles";
     static constexpr std::size_t wide = 4;
-    static constexpr std::uint32_t often = 1 << 20; ///< comparisons, which take some hundredths of a second
+    static constexpr std::uint32_t often = 1 << 20; ///< comparisons between reports: some hundredths of a second
     static constexpr Index none = std::numeric_limits<Index>::max();
 
-    /// Most triangles of a node with axes of its own: what holds more is hardly flat.
+    /// The most triangles of a node with axes of its own: more are hardly flat.
     static constexpr std::size_t flat = wide * wide * wide;
 
-    /// Boxes of the children. Those around few triangles are along axes of their own, in which these lie flat: seen
-    /// from afar, a box that lies across a surface would stand for much that is nearer than its triangles are.
+    /// The boxes of four children. Around few triangles they have axes of their own, in which the triangles lie flat: a
+    /// box oblique to the surface would reach much nearer to a far point than its triangles do.
     struct Node {
         Eigen::Matrix3f axes; ///< rows
         double low[3][wide], high[3][wide];
@@ -145,7 +144,7 @@ class TriangleTree {
 
     Eigen::AlignedBox3d BoxOf(Index t) const {
         Eigen::AlignedBox3d box;
-        for (Index i : triangle[std::size_t(t)])
+        for (Index i : triangle[t])
             box.extend(Eigen::Vector3d(position.col(i)));
         return box;
     }
@@ -163,18 +162,18 @@ class TriangleTree {
         std::nth_element(first, at, last, [&](Index a, Index b) {
             if (++compared % often == 0)
                 progress(0, stage);
-            return middle[std::size_t(a)][axis] < middle[std::size_t(b)][axis];
+            return middle[a][axis] < middle[b][axis];
         });
     }
 
-    /// How many nodes are above so many triangles; a single triangle has none.
+    /// The number of nodes of a tree over so many triangles; 0 for a single one.
     static std::size_t NodesAround(std::size_t triangles) {
         if (triangles < 2)
             return 0;
         const std::size_t part = PartOf(triangles);
         return 1 + triangles / part * ((part - 1) / (wide - 1)) + NodesAround(triangles % part);
     }
-    /// How many triangles each child has, but the last one, so that nearly all nodes are full.
+    /// The number of triangles of each child except the last one, so that nearly all nodes are full.
     static std::size_t PartOf(std::size_t triangles) {
         std::size_t part = 1;
         while (wide * part < triangles)
@@ -182,20 +181,20 @@ class TriangleTree {
         return part;
     }
 
-    /// Sets the nodes around these triangles, from number \p at on; theirs comes last.
+    /// Builds the nodes over these triangles, from number \p at on; the root comes last.
     Built Build(Index *const first, Index *last, std::size_t at, const Progress &progress) {
         const std::size_t count = std::size_t(last - first), part = PartOf(count);
         if (count >= 1 << 12)
             progress(0, stage);
         Progress both = progress;
-        if (count < 1 << 15) // where threads would cost more than they save
+        if (count < 1 << 15) // threads would cost more than they save
             both.threads = 1;
         const auto to = [&](std::size_t k) { return first + std::min(k * part, count); };
         Divide(first, to(2), last, both);
         ParallelTasks(both.Slice(0, 0), stage, 2, [&](std::size_t half, const Progress &shared) {
             Divide(to(2 * half), to(2 * half + 1), half == 0 ? to(2) : last, shared);
         });
-        std::array<std::size_t, wide> begin; // of each child's nodes; behind the last ones is this one
+        std::array<std::size_t, wide> begin; // of each child's nodes; this node comes after all of them
         for (std::size_t k = 0; k < wide; ++k) {
             begin[k] = at;
             at += NodesAround(std::size_t(to(k + 1) - to(k)));
@@ -223,7 +222,7 @@ class TriangleTree {
                         box.extend(node.axes.cast<double>() * position.col(i));
             }
             node.child[k] = built[k].child;
-            // What distances of its triangles may be off by: a few of the last bits of the coordinates.
+            // More than distances to its triangles are rounded by: a few of the last bits of the coordinates.
             const double margin = std::ldexp(box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff(), -46);
             for (int d = 0; d < 3; ++d) {
                 node.low[d][k] = box.min()[d] - margin;
@@ -233,7 +232,7 @@ class TriangleTree {
         return all;
     }
 
-    /// The axes of triangles in which their corners lie flattest, as rows.
+    /// The axes, as rows, in which the corners of the triangles lie flattest.
     Eigen::Matrix3f AxesOf(const Index *first, const Index *last) const {
         const Eigen::Vector3d origin = middle[std::size_t(*first)];
         Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -248,11 +247,12 @@ class TriangleTree {
         return SymmetricEigen(squares).Vectors().transpose().cast<float>();
     }
 
-    /// A child and, in the upper half, that of the square of how far it is at least: those of nearer ones are less.
+    /// A child and, in the upper half, the upper half of the square of its least distance. Nearer steps are smaller
+    /// numbers.
     using Step = std::uint64_t;
     static constexpr Step upper = Step(-1) << 32;
     static Step StepTo(double square, Index child) {
-        Step bits; // of a number that is not negative, in its order
+        Step bits; // of numbers >= 0, the bits have the order of the numbers
         std::memcpy(&bits, &square, sizeof bits);
         return (bits & upper) | std::uint32_t(child);
     }
@@ -265,14 +265,14 @@ class TriangleTree {
 
     /// Depth first, into the nearest box first. \param begin has been tried \param nearest in, out
     void Search(const Eigen::Vector3d &p, Index begin, Nearest &nearest) const {
-        // The axes are turned in single precision; what coordinates are rounded by is in the boxes' margins, too.
+        // Rounding of coordinates (the boxes' margins have theirs), and of the axes, which are floats.
         const double off = std::ldexp(p.cwiseAbs().maxCoeff(), -46), turned = 1 + std::ldexp(1.0, -20);
-        const auto within = [&] { // the square of what a box may be away
+        const auto within = [&] { // square of the distance up to which a box may hold a nearer triangle
             const double least = std::sqrt(nearest.square) + off;
             return least * least * turned;
         };
         double bound = within();
-        std::array<Step, 64> next; // three more a level, of 16 at most, and those too far
+        std::array<Step, 64> next; // three more a level, of 16 levels at most, and steps that are too far
         int count = 0;
         next[std::size_t(count++)] = StepTo(0, Index(nodeCount) - 1);
         while (count > 0) {
@@ -285,7 +285,7 @@ class TriangleTree {
                     bound = within();
                 continue;
             }
-            const Node &node = nodes[std::size_t(child)];
+            const Node &node = nodes[child];
             double square[wide] = {};
             const Eigen::Vector3d q = node.axes.cast<double>() * p;
             for (int d = 0; d < 3; ++d)
@@ -300,7 +300,7 @@ class TriangleTree {
                 near[k] = StepTo(square[k], node.child[k]) & (Step(0) - Step(isNear));
                 found += isNear;
             }
-            // Without a branch: which ones are near enough, and which of them first, a processor cannot foresee.
+            // Sort without branches, which a processor could not predict.
             const auto order = [&near](std::size_t a, std::size_t b) {
                 const Step nearer = std::min(near[a], near[b]);
                 near[a] = std::max(near[a], near[b]);
@@ -311,15 +311,15 @@ class TriangleTree {
             order(0, 2);
             order(1, 3);
             order(1, 2);
-            // The nearest one comes last; those too far are overwritten by the next ones.
+            // The nearest one comes last; the next ones overwrite those that are too far.
             std::copy(near.begin(), near.end(), next.begin() + count);
             count += found;
         }
     }
 
-    /// \return whether it is nearer
+    /// Sets \p nearest to triangle \p t if that is nearer and counts. \return whether it did
     bool Try(const Eigen::Vector3d &p, Index t, Nearest &nearest) const {
-        const auto &corners = triangle[std::size_t(t)];
+        const auto &corners = triangle[t];
         const Eigen::Vector3d a = position.col(corners[0]), b = position.col(corners[1]), c = position.col(corners[2]);
         const Eigen::Vector3d weight = WeightsOfNearest(a, b, c, p);
         const double square = (a * weight[0] + b * weight[1] + c * weight[2] - p).squaredNorm();
@@ -338,7 +338,7 @@ class TriangleTree {
     const Eigen::Matrix3Xd &position;
     const std::vector<std::array<Index, 3>> triangle;
     std::vector<Eigen::Vector3d> middle; ///< of the triangles' boxes, while they are sorted
-    std::unique_ptr<Node[]> nodes;       ///< each is written when it is built
+    std::unique_ptr<Node[]> nodes;       ///< not initialised before Build
     std::size_t nodeCount = 0;
 };
 

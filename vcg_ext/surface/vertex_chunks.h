@@ -15,21 +15,21 @@
 
 namespace vcg::fcd::detail {
 
-/// How many of a mesh's vertices are read, in chunks of slots, and the box that they fill.
+/// The number of vertices that are read, by chunks of slots, and their box.
 struct VertexChunks {
     static constexpr std::size_t grain = 1 << 16; ///< slots a chunk
 
-    std::vector<std::size_t> begin{0}; ///< chunks + 1, of each chunk's vertices in the list of all
+    std::vector<std::size_t> begin{0}; ///< chunks + 1: number of vertices before each chunk
     Eigen::AlignedBox3d box;           ///< world units
 
     std::size_t Live() const { return begin.back(); }
 };
 
-/// The slot of the \p k th vertex. \param begin as of VertexChunks \param isPart isPart(slot): it is a vertex
+/// The slot of the k-th vertex that is read. \param begin as of VertexChunks \param isPart isPart(slot): it is read
 template <class IsPart>
 std::size_t SlotOf(std::size_t k, const std::vector<std::size_t> &begin, const IsPart &isPart) {
     const std::size_t c = std::size_t(std::upper_bound(begin.begin(), begin.end(), k) - begin.begin()) - 1;
-    if (begin[c + 1] - begin[c] == VertexChunks::grain) // all of them
+    if (begin[c + 1] - begin[c] == VertexChunks::grain) // the whole chunk is read
         return c * VertexChunks::grain + (k - begin[c]);
     for (std::size_t i = c * VertexChunks::grain, at = begin[c];; ++i)
         if (isPart(i) && at++ == k)
@@ -71,8 +71,8 @@ VertexChunks FindVertices(const SurfaceView &mesh, const IsPart &isPart, const F
     return found;
 }
 
-/// Tells two boxes in another unit where the squares of lengths in \p all would be no numbers: a power of two, near its
-/// size. \return the unit; 1 where it need not be another
+/// Scales the boxes \p one and \p other if squares of lengths in \p all would overflow or underflow, by a power of two
+/// near its size. \return the unit that they were divided by, mostly 1
 inline double TakeUnit(const Eigen::AlignedBox3d &all, Eigen::AlignedBox3d &one, Eigen::AlignedBox3d &other) {
     const double unit = UnitOf(all.min().cwiseAbs().cwiseMax(all.max().cwiseAbs()).maxCoeff());
     for (Eigen::AlignedBox3d *box : {&one, &other})
@@ -80,7 +80,7 @@ inline double TakeUnit(const Eigen::AlignedBox3d &all, Eigen::AlignedBox3d &one,
     return unit;
 }
 
-/// Sets origin and scale of the frame of what is read, at least one vertex. \param isPart as of FindVertices
+/// Sets origin and scale of the frame by the vertices that are read, at least one. \param isPart as of FindVertices
 template <class IsPart>
 void SetFrame(const SurfaceView &mesh, const VertexChunks &chunks, const IsPart &isPart, Frame &frame) {
     const Eigen::AlignedBox3d box = WithoutStrays(chunks.box, chunks.Live(), [&](std::size_t k) {

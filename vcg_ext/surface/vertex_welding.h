@@ -17,16 +17,17 @@
 
 namespace vcg::fcd::detail {
 
-/// Makes nodes of vertices, a node for all at one position, in Morton order: Put each, Sort, FindNodes, ForEach.
+/// Makes a node for each position of vertices, in Morton order. Call Put for each vertex, then Sort, FindNodes,
+/// ForEach.
 class VertexWelder {
   public:
-    /// \param count how many are put \param slots their slots are below this
+    /// \param count number of vertices to Put \param slots all slots are below it
     VertexWelder(std::size_t count, std::size_t slots)
         : count(count), order(LargeArray<std::uint64_t>(count)), bySlot(3, slots) {
         PreferLargePages(bySlot.data(), slots * sizeof(Eigen::Vector3f));
     }
 
-    /// Sets the vertex \p at of [0, count); ascending slots. \param p in the frame, without negative zeros
+    /// Sets vertex number \p at of [0, count); slots ascend with it. \param p frame units, without negative zeros
     void Put(std::size_t at, std::size_t slot, const Eigen::Vector3f &p) {
         bySlot.col(slot) = p;
         order[at] = std::uint64_t(MortonCode(p[0], p[1], p[2])) << 32 | slot;
@@ -34,7 +35,7 @@ class VertexWelder {
 
     void Sort(const Progress &progress) { RadixSortUpper30(order, count, progress, readingStage); }
 
-    /// \param isOptional isOptional(slot): the vertex is dropped where all at its position are
+    /// \param isOptional isOptional(slot): positions that have optional vertices only are dropped
     template <class IsOptional>
     void FindNodes(const IsOptional &isOptional, const Progress &progress) {
         const std::size_t grain = 1 << 16;
@@ -61,8 +62,8 @@ class VertexWelder {
     Index Nodes() const { return firstNode.back(); }
     std::size_t Kept() const { return firstKept.back(); } ///< vertices that were not dropped
 
-    /// body(node, slot, at) for every vertex that was kept, the at-th of [0, Kept()), from several threads, with all of
-    /// a node in one. The last that is asked. \return position of each node
+    /// Calls body(node, slot, at) for every vertex that was kept, number \p at of [0, Kept()), from several threads;
+    /// all vertices of a node come in one thread. Call it last. \return position of each node, frame units
     template <class Body>
     Eigen::Matrix3Xf ForEach(const Body &body, const Progress &progress) {
         const bool shifted = std::size_t(Nodes()) < count;
@@ -149,7 +150,7 @@ class VertexWelder {
     const std::size_t count;
     std::unique_ptr<std::uint64_t[]> order; // Morton code << 32 | slot
     Eigen::Matrix3Xf bySlot, position;      // 3 x slots, and 3 x count in the order
-    // Of the order. A range ends with a code, and with it all vertices at a position.
+    // Ranges of the order. A code, and so a position, is in one range.
     std::vector<std::size_t> rangeBegin;
     std::vector<Index> firstNode;       // ranges + 1: nodes of the ranges before
     std::vector<std::size_t> firstKept; // ranges + 1: vertices of them that are kept

@@ -18,20 +18,20 @@ GraphPose HalfPose(const DeformationGraph &graph, const GraphPose &full) {
     Eigen::Matrix3Xd rest(3, n);
     for (Index j = 0; j < n; ++j) {
         rest.col(j) = graph.graph.position.col(j).cast<double>();
-        const Eigen::Matrix3d &linear = full.linear[std::size_t(j)];
+        const Eigen::Matrix3d &linear = full.linear[j];
         const detail::Turn whole(detail::RotationOf(linear));
         turn.push_back(detail::RotationBy(0.5 * whole.angle, whole.axis));
-        half.linear[std::size_t(j)] = 0.5 * (turn.back() + turn.back().transpose() * linear);
+        half.linear[j] = 0.5 * (turn.back() + turn.back().transpose() * linear);
     }
     std::vector<Eigen::Triplet<double>> entries;
     Eigen::MatrixX3d right = Eigen::MatrixX3d::Zero(n, 3);
     const Csr &adjacency = graph.graph.adjacency;
     for (Index j = 0; j < n; ++j) {
-        std::size_t item = adjacency.begin[std::size_t(j)];
+        std::size_t item = adjacency.begin[j];
         double sum = 0;
         for (Index i : adjacency[j]) {
             const double weight = double(graph.weight[item++]);
-            const Eigen::Matrix3d between = 0.5 * (turn[std::size_t(i)] + turn[std::size_t(j)]);
+            const Eigen::Matrix3d between = 0.5 * (turn[i] + turn[j]);
             const Eigen::Vector3d edge = 0.5 * (between * (rest.col(j) - rest.col(i)) +
                                                 between.transpose() * (full.position.col(j) - full.position.col(i)));
             right.row(j) += weight * edge.transpose();
@@ -46,8 +46,8 @@ GraphPose HalfPose(const DeformationGraph &graph, const GraphPose &full) {
     const Index parts = ConnectedComponents(adjacency, part);
     std::vector<char> isHeld(std::size_t(parts), 0);
     for (Index j = 0; j < n; ++j)
-        if (!isHeld[std::size_t(part[std::size_t(j)])]) {
-            isHeld[std::size_t(part[std::size_t(j)])] = 1;
+        if (!isHeld[std::size_t(part[j])]) {
+            isHeld[std::size_t(part[j])] = 1;
             entries.emplace_back(j, j, 1.);
         }
     Eigen::SparseMatrix<double> matrix(n, n);
@@ -60,14 +60,14 @@ GraphPose HalfPose(const DeformationGraph &graph, const GraphPose &full) {
     Eigen::Matrix3Xd shift = Eigen::Matrix3Xd::Zero(3, parts);
     std::vector<double> area(std::size_t(parts), 0);
     for (Index j = 0; j < n; ++j) {
-        const double its = graph.area.empty() ? 1 : graph.area[std::size_t(j)];
-        const auto p = std::size_t(part[std::size_t(j)]);
+        const double its = graph.area.empty() ? 1 : graph.area[j];
+        const auto p = std::size_t(part[j]);
         shift.col(Eigen::Index(p)) += its * (0.5 * (rest.col(j) + full.position.col(j)) - half.position.col(j));
         area[p] += its;
     }
     for (Index j = 0; j < n; ++j) {
-        const Index p = part[std::size_t(j)];
-        half.position.col(j) += shift.col(p) / area[std::size_t(p)];
+        const Index p = part[j];
+        half.position.col(j) += shift.col(p) / area[p];
     }
     return half;
 }
