@@ -108,19 +108,41 @@ class GraphDeformer {
     using State = detail::GraphEnergy::State;
     using PoseTerms = detail::GraphEnergy::PoseTerms;
 
-    /// Brings \p state to rest near where it begins. Where the shape is stable, a hundred descending steps do that.
-    /// Otherwise, Newton's method looks for a stationary state nearby, which may be a saddle. If there is none, the
-    /// state descends to rest wherever that leads.
+    /// Brings \p state to rest near where it begins. Where the shape is stable, a few quasi-Newton steps do that, or,
+    /// far from rest, local and global ones. Otherwise, Newton's method looks for a stationary state nearby, which may
+    /// be a saddle. If there is none, the state descends to rest wherever that leads.
     /// \param goesOn whether it begins at another pose, not at rest
     void Follow(const PoseTerms &given, const SolverParam &param, bool goesOn, State &state, GraphPose &pose,
                 const Progress &progress) const {
-        const int few = std::min(param.maxIterations, 100); // where it is stable, 8 to 70 do
+        const int quick = 40;      // quasi-Newton steps: 7 to 30 do
+        const int few = 100;       // local and global ones: 20 to 80 do
         const double nearby = 2;   // radian: a guess is off by less, and a shape that has let go of a full turn by more
         const double least = 0.01; // of the energy: by less it falls where the shape has hardly begun to give way
         const State begin = state;
         const auto isNear = [&](const State &x) { return !goesOn || LargestTurn(begin, x) <= nearby; };
-        Minimise(given, param, few, state, pose, progress.Slice(0, 0.4));
-        if (few == param.maxIterations || (pose.converged && isNear(state)))
+        const auto upTo = [&](int steps) { return std::min(param.maxIterations, pose.iterations + steps); };
+        SolverParam slowly = param;
+        slowly.quasiNewton = false;
+        if (IsQuasiNewton(param)) {
+            Minimise(given, param, upTo(quick), state, pose, progress.Slice(0, 0.1));
+            if (pose.iterations == param.maxIterations || (pose.converged && isNear(state)))
+                return;
+            state = begin;
+        }
+        Minimise(given, slowly, upTo(few), state, pose, progress.Slice(0.1, 0.4));
+        if (pose.converged && isNear(state)) {
+            if (!IsQuasiNewton(param))
+                return;
+            State rested = state; // these steps do not see what comes to rest very slowly
+            GraphPose way = pose;
+            Minimise(given, param, upTo(quick), rested, way, progress.Slice(0.4, 0.4));
+            if (way.converged) {
+                state = std::move(rested);
+                pose.iterations = way.iterations;
+            }
+            return;
+        }
+        if (pose.iterations == param.maxIterations)
             return;
         State stationary = state;
         detail::GraphNewton newton(energy, unknown, given, edgeLength, Still(param));
@@ -136,23 +158,28 @@ class GraphDeformer {
         if (pose.followed)
             state = std::move(stationary);
         else if (!pose.converged)
-            Minimise(given, param, param.maxIterations, state, pose, progress.Slice(0.8, 1));
+            Minimise(given, slowly, param.maxIterations, state, pose, progress.Slice(0.8, 1));
         pose.converged = pose.converged || pose.followed;
         pose.unstable = pose.unstable && pose.followed;
     }
 
+    bool IsQuasiNewton(const SolverParam &param) const {
+        return param.accelerated && param.quasiNewton && param.smoothness == smoothness && hessian.IsThere();
+    }
     double Still(const SolverParam &param) const { return 10 * param.tolerance * Diagonal(); }
 
     /// Takes steps downwards until \p state is at rest, or there were \p most: quasi-Newton ones, or local and global
-    /// ones where \p param asks for these, or there is no Hessian. Counts them in \p pose.
+    /// ones where \p param asks for these, or there is no Hessian. Counts them in \p pose. Where \p param follows, it
+    /// ends when quasi-Newton steps have not become shorter for a while: then the shape gives way.
     void Minimise(const PoseTerms &given, const SolverParam &param, int most, State &state, GraphPose &pose,
                   const Progress &progress) const {
         // If each step is rho times the one before it, 1 / (1 - rho) times the step is left in all.
         const Eigen::Matrix3Xd rest = graph.graph.position.cast<double>();
         const double still = Still(param), rounding = Rounding(rest, state),
                      noise = rounding * energy.Weight() / double(unknown.rotation.size());
-        const bool isQuasi =
-            param.accelerated && param.quasiNewton && param.smoothness == smoothness && hessian.IsThere();
+        const bool isQuasi = IsQuasiNewton(param);
+        double shortest = std::numeric_limits<double>::infinity(); // of the steps
+        int longer = 0;                                            // steps since then
         state.energy = energy.Of(state, given);
         State stepped = state, mixed = state;
         const std::size_t size = 3 * unknown.position.size() + 4 * unknown.rotation.size();
@@ -160,7 +187,8 @@ class GraphDeformer {
         Eigen::VectorXd here(size), after(size);
         Work work{std::vector<Eigen::Matrix3d>(graph.Size()), Eigen::Matrix3Xd(3, unknown.position.size())};
         pose.converged = false;
-        for (; !pose.converged && pose.iterations < most; ++pose.iterations) {
+        for (; !pose.converged && pose.iterations < most && !(isQuasi && param.follow && longer == 5);
+             ++pose.iterations) {
             if ((pose.iterations & 15) == 0)
                 progress(1 - detail::Exponential(-4.0 * pose.iterations / most), "Deforming the graph");
             const bool isNoise = isQuasi && !hessian.Step(state, given, noise, stepped);
@@ -173,6 +201,8 @@ class GraphDeformer {
                 state.energy = energy.Of(state, given);
                 continue;
             }
+            longer = moved < 0.9 * shortest ? 0 : longer + 1;
+            shortest = std::min(shortest, moved);
             // The accelerated step, where it lowers the energy, or the plain one; a local and a global one always does.
             Pack(state, here);
             Pack(stepped, after);
