@@ -192,8 +192,8 @@ class GraphEnergy {
                         for (int end = 0; end < 2; ++end) {
                             if (block[end] < 0)
                                 continue;
-                            gradient.segment<3>(6 * block[end]) += (end == 0 ? 1 : -1) * force;
-                            gradient.segment<3>(6 * block[end] + 3) -= 2 * w * turned[end].cross(way);
+                            gradient.segment<3>(6 * Eigen::Index(block[end])) += (end == 0 ? 1 : -1) * force;
+                            gradient.segment<3>(6 * Eigen::Index(block[end]) + 3) -= 2 * w * turned[end].cross(way);
                         }
                     });
         ForEachTwist(x, given, [&](Index i, Index j, double w, const Eigen::Matrix3d &m) {
@@ -202,7 +202,7 @@ class GraphEnergy {
             const Eigen::Vector3d axial(m(1, 2) - m(2, 1), m(2, 0) - m(0, 2), m(0, 1) - m(1, 0));
             for (int end = 0; end < 2; ++end)
                 if (block[end] >= 0)
-                    gradient.segment<3>(6 * block[end] + 3) += (end == 0 ? 2 : -2) * w * axial;
+                    gradient.segment<3>(6 * Eigen::Index(block[end]) + 3) += (end == 0 ? 2 : -2) * w * axial;
         });
         for (std::size_t b = unknown.position.size(); b < unknown.rotation.size(); ++b) // given positions
             gradient.segment<3>(6 * Eigen::Index(b)).setZero();

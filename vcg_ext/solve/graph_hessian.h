@@ -134,12 +134,10 @@ class GraphHessian {
         energy.ForEachTwist(x, given, [&](Index i, Index j, double w, const Eigen::Matrix3d &m) {
             const Index block[2] = {unknown.turnOf[i], j < 0 ? -1 : unknown.turnOf[j]};
             const Eigen::Matrix3d trace = m.trace() * Eigen::Matrix3d::Identity();
-            for (int end = 0; end < 2; ++end) {
-                if (block[end] < 0)
-                    continue;
-                hessian.diagonal[std::size_t(block[end])].bottomRightCorner<3, 3>() -=
-                    2 * w * (0.5 * (m + m.transpose()) - trace);
-            }
+            for (const Index each : block)
+                if (each >= 0)
+                    hessian.diagonal[std::size_t(each)].bottomRightCorner<3, 3>() -=
+                        2 * w * (0.5 * (m + m.transpose()) - trace);
             if (block[0] >= 0 && block[1] >= 0)
                 hessian.beside[p++].bottomRightCorner<3, 3>() = -2 * w * (trace - m);
         });

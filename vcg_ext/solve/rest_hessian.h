@@ -65,8 +65,8 @@ class RestHessian {
         for (std::size_t b = 0; b < unknown.rotation.size(); ++b) {
             const Eigen::Matrix3d &own = x.rotation[std::size_t(unknown.rotation[b])];
             const Eigen::Matrix3d turn = into ? own.transpose() : own;
-            for (int half = 0; half < 2; ++half) {
-                auto part = v.segment<3>(6 * Eigen::Index(b) + 3 * half);
+            for (const Eigen::Index half : {0, 3}) {
+                auto part = v.segment<3>(6 * Eigen::Index(b) + half);
                 part = (turn * part).eval();
             }
         }
