@@ -55,6 +55,10 @@ class GraphDeformer {
           hessian(graph, energy, unknown, smoothness * area, progress.Slice(0.5, 1)) {
         for (Eigen::Index e = 0; e < graph.edge.cols(); ++e)
             edgeLength += graph.edge.col(e).cast<double>().norm() / double(graph.edge.cols());
+        Eigen::VectorXd mass(Eigen::Index(unknown.position.size()));
+        for (std::size_t u = 0; u < unknown.position.size(); ++u)
+            mass[Eigen::Index(u)] = energy.TurningMass(unknown.position[u]);
+        spread = laplacian.LeastEigenvalue(mass);
     }
 
     /// Whether node \p i is in a component with a constrained node.
@@ -130,22 +134,10 @@ class GraphDeformer {
             state = begin;
         }
         Minimise(given, slowly, upTo(few), state, pose, progress.Slice(0.1, 0.4));
-        if (pose.converged && isNear(state)) {
-            if (!IsQuasiNewton(param))
-                return;
-            State rested = state; // these steps do not see what comes to rest very slowly
-            GraphPose way = pose;
-            Minimise(given, param, upTo(quick), rested, way, progress.Slice(0.4, 0.4));
-            if (way.converged) {
-                state = std::move(rested);
-                pose.iterations = way.iterations;
-            }
-            return;
-        }
-        if (pose.iterations == param.maxIterations)
+        if (pose.iterations == param.maxIterations || (pose.converged && isNear(state)))
             return;
         State stationary = state;
-        detail::GraphNewton newton(energy, unknown, given, edgeLength, Still(param));
+        detail::GraphNewton newton = NewtonOf(given, param);
         // From where the steps led, if that was not down another way; otherwise from where they began.
         pose.followed = !goesOn &&
                         newton.FindStationary(param.maxIterations, stationary, pose, progress.Slice(0.4, 0.6)) &&
@@ -163,6 +155,9 @@ class GraphDeformer {
         pose.unstable = pose.unstable && pose.followed;
     }
 
+    detail::GraphNewton NewtonOf(const PoseTerms &given, const SolverParam &param) const {
+        return {energy, unknown, given, edgeLength, Still(param)};
+    }
     bool IsQuasiNewton(const SolverParam &param) const {
         return param.accelerated && param.quasiNewton && param.smoothness == smoothness && hessian.IsThere();
     }
@@ -177,7 +172,12 @@ class GraphDeformer {
         const Eigen::Matrix3Xd rest = graph.graph.position.cast<double>();
         const double still = Still(param), rounding = Rounding(rest, state),
                      noise = rounding * energy.Weight() / double(unknown.rotation.size());
-        const bool isQuasi = IsQuasiNewton(param);
+        // A turn that is spread over all that is free shrinks by about this share in a local and global step. So slow,
+        // as over a path much longer than wide, it does not show in the steps' lengths after the 20 or more that others
+        // take to come to rest: accelerated ones see down to the square of one over their number.
+        const double slowest = 1.0 / (20 * 20);
+        const bool isQuasi = IsQuasiNewton(param), isSlow = !isQuasi && param.smoothness * area * spread < slowest;
+        double near = still;                                       // error below which slow modes are looked for
         double shortest = std::numeric_limits<double>::infinity(); // of the steps
         int longer = 0;                                            // steps since then
         state.energy = energy.Of(state, given);
@@ -207,20 +207,25 @@ class GraphDeformer {
             Pack(state, here);
             Pack(stepped, after);
             anderson.Mix(here, after);
-            pose.converged =
-                isNoise || moved <= (1 - anderson.Contraction()) * still || IsRounding(state, stepped, moved, rounding);
+            const bool mayRest = moved <= (1 - anderson.Contraction()) * near;
+            pose.converged = isNoise || (mayRest && !isSlow) || IsRounding(state, stepped, moved, rounding);
             Unpack(after, mixed);
             mixed.energy = energy.Of(mixed, given);
             if (mixed.energy < state.energy) {
                 std::swap(state, mixed);
-                continue;
-            }
-            stepped.energy = energy.Of(stepped, given);
-            if (isQuasi && !(stepped.energy < state.energy)) {
-                Step(state, given, stepped, work);
+            } else {
                 stepped.energy = energy.Of(stepped, given);
+                if (isQuasi && !(stepped.energy < state.energy)) {
+                    Step(state, given, stepped, work);
+                    stepped.energy = energy.Of(stepped, given);
+                }
+                std::swap(state, stepped);
             }
-            std::swap(state, stepped);
+            if (pose.converged || !mayRest)
+                continue;
+            pose.converged = NewtonOf(given, param).Descend(most, state, pose, progress);
+            anderson = detail::Anderson(size);
+            near = moved / 4;
         }
     }
 
@@ -324,6 +329,7 @@ class GraphDeformer {
     detail::GraphLaplacian laplacian;
     detail::RestHessian hessian;
     double edgeLength = 0; // mean
+    double spread = 0;     // over one frame unit^2: of the turn that the smoothness evens most slowly
 };
 
 } // namespace vcg::fcd

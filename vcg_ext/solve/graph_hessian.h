@@ -72,6 +72,10 @@ class GraphHessian {
     double LargestTurn(const Eigen::VectorXd &step) const {
         return Largest(unknown.rotation, [&](Index i) { return Turned(step, i).norm(); });
     }
+    /// Of nodes whose position is given.
+    double LargestTurnOfGiven(const Eigen::VectorXd &step) const {
+        return Largest(unknown.rotation, [&](Index i) { return unknown.constrained[i] ? Turned(step, i).norm() : 0; });
+    }
     double LargestMove(const Eigen::VectorXd &step) const {
         return Largest(unknown.position, [&](Index i) { return Moved(step, i).norm(); });
     }

@@ -105,6 +105,28 @@ class GraphLaplacian {
         }
     }
 
+    /// The least eigenvalue of the Laplacian over \p mass (n values, > 0), about: from above, within some percent. 0
+    /// where there is nothing unknown.
+    double LeastEigenvalue(const Eigen::VectorXd &mass) const {
+        if (order.empty())
+            return 0;
+        const auto n = Eigen::Index(order.size());
+        Eigen::RowVectorXd ordered(n);
+        for (Eigen::Index u = 0; u < n; ++u)
+            ordered[ColumnOf(std::size_t(u))] = mass[u];
+        Eigen::Matrix3Xd x = Eigen::Matrix3Xd::Ones(3, n), y;
+        double least = 0;
+        for (int i = 0; i < 5; ++i) { // inverse iteration; all values are of one sign, as those of the vector are
+            y = x.array().rowwise() * ordered.array();
+            const double before = x.row(0).dot(y.row(0));
+            x = y;
+            Solve(x);
+            least = before / x.row(0).dot(y.row(0));
+            x /= x.norm();
+        }
+        return least;
+    }
+
     /// Interpolates values of the constrained nodes by the bi-Laplacian. \param given k rows, those of others 0
     /// \return n rows
     Eigen::MatrixXd Interpolate(const Eigen::MatrixXd &given) const {

@@ -10,6 +10,7 @@
 #include <vcg_ext/solve/graph_unknowns.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace vcg::fcd::detail {
 
@@ -21,7 +22,10 @@ class GraphNewton {
     /// \param edgeLength times a turn in radians counts as a move \param still frame units: shorter moves count as none
     GraphNewton(const GraphEnergy &energy, const GraphUnknowns &unknown, const GraphEnergy::PoseTerms &given,
                 double edgeLength, double still)
-        : energy(energy), given(given), edgeLength(edgeLength), still(still), hessian(unknown) {}
+        : energy(energy), given(given), edgeLength(edgeLength), still(still), hessian(unknown) {
+        for (Index i : unknown.rotation)
+            mass += energy.TurningMass(i);
+    }
 
     /// Goes from \p state to a stationary state nearby, a minimum or a saddle; sets pose.unstable. Counts the steps in
     /// \p pose, up to \p mostIterations. \return whether it found one
@@ -41,6 +45,38 @@ class GraphNewton {
         return false;
     }
 
+    /// Goes downwards to rest, as long as that leads to a minimum; a state that is at rest is left as it is. Counts the
+    /// steps in \p pose, to \p mostIterations. \return whether \p state is at rest
+    bool Descend(int mostIterations, State &state, GraphPose &pose, const Progress &progress) {
+        for (; pose.iterations < mostIterations; ++pose.iterations) {
+            const double done = 1 - Exponential(-4.0 * pose.iterations / mostIterations);
+            if (!Look(state, progress.Slice(done, done)))
+                return false;
+            Eigen::VectorXd way = Limited();
+            if (std::max(hessian.LargestMove(way), hessian.LargestTurnOfGiven(way) * edgeLength) <= still)
+                return true;
+            // Where the edges leave a turn open, a step may be as long as it likes, and is nothing but rounding.
+            const double most = way.cwiseAbs().maxCoeff();
+            if (-gradient.dot(way) <= 64 * std::numeric_limits<double>::epsilon() * mass * most)
+                return true;
+            if (hessian.Falling() > 0)
+                return false;
+            State moved;
+            const int halvings = 6; // where the quadratic is good for less, the other steps go on
+            for (int half = 0;; ++half, way *= 0.5) {
+                moved = state;
+                hessian.Move(moved, way);
+                moved.energy = energy.Of(moved, given);
+                if (moved.energy < state.energy)
+                    break;
+                if (half == halvings)
+                    return false;
+            }
+            state = std::move(moved);
+        }
+        return false;
+    }
+
   private:
     /// Sets step to Newton's step from \p state. \return whether there is one
     bool Look(const State &state, const Progress &progress) {
@@ -48,7 +84,8 @@ class GraphNewton {
         hessian.Assemble(energy, state, given);
         if (!hessian.Factorise(progress))
             return false;
-        step = -hessian.Solve(energy.Gradient(state, given));
+        gradient = energy.Gradient(state, given);
+        step = -hessian.Solve(gradient);
         return step.allFinite();
     }
     Eigen::VectorXd Limited() const {
@@ -60,7 +97,8 @@ class GraphNewton {
     const GraphEnergy::PoseTerms &given;
     const double edgeLength, still;
     GraphHessian hessian;
-    Eigen::VectorXd step;
+    Eigen::VectorXd gradient, step;
+    double mass = 0; // the sum of TurningMass
 };
 
 } // namespace vcg::fcd::detail
