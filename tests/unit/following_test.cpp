@@ -119,7 +119,7 @@ TEST(GraphHessian, IsTheDerivativeOfTheEnergy) {
     const detail::GraphEnergy::PoseTerms given(energy, motion, x, 0.1);
     detail::GraphHessian hessian(unknown);
     hessian.Assemble(energy, x, given);
-    ASSERT_TRUE(hessian.Factorise());
+    ASSERT_TRUE(hessian.Factorise({}, hessian.Worthwhile()));
     const Eigen::VectorXd gradient = energy.Gradient(x, given);
     const Eigen::Index size = gradient.size();
     ASSERT_GT(size, 100);

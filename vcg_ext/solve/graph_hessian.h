@@ -37,14 +37,15 @@ class GraphHessian {
         for (std::size_t b = 0; b < unknown.rotation.size(); ++b)
             hessian.diagonal[b].bottomRightCorner<3, 3>().diagonal().array() += energy.Stay(unknown.rotation[b]);
     }
-    /// \return whether it could be factorised, in a time that is worth it \throw Cancelled
-    bool Factorise(const Progress &progress = {}) {
+    /// \param limit multiplications \return whether no more are needed, and it could be factorised \throw Cancelled
+    bool Factorise(const Progress &progress, double limit) {
         if (!isAnalysed)
-            isWorthwhile =
-                factor.Analyse(hessian, SparseFactor::Worthwhile(width * Eigen::Index(hessian.diagonal.size())));
+            isWorthwhile = factor.Analyse(hessian, limit);
         isAnalysed = true;
         return isWorthwhile && factor.Factorise(hessian, progress, "Deforming the graph");
     }
+    /// As many as are worth it where one could do without.
+    double Worthwhile() const { return SparseFactor::Worthwhile(width * Eigen::Index(unknown.rotation.size())); }
 
     /// Frees what is not needed to solve. \pre Factorise
     void DropMatrix() { hessian = {}; }

@@ -82,7 +82,7 @@ class GraphNewton {
     bool Look(const State &state, const Progress &progress) {
         progress(0, "Deforming the graph");
         hessian.Assemble(energy, state, given);
-        if (!hessian.Factorise(progress))
+        if (!hessian.Factorise(progress, hessian.Worthwhile()))
             return false;
         gradient = energy.Gradient(state, given);
         step = -hessian.Solve(gradient);

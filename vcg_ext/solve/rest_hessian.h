@@ -27,6 +27,8 @@ class RestHessian {
     RestHessian(const DeformationGraph &graph, const GraphEnergy &energy, const GraphUnknowns &unknown, double smooth,
                 const Progress &progress = {})
         : energy(energy), unknown(unknown), hessian(unknown) {
+        // A second. A surface has some 30 thousand nodes then, and a hundred local and global steps take as long.
+        const double limit = 4e9;
         const std::size_t k = std::size_t(graph.Size());
         const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
         const State rest{graph.graph.position.cast<double>(), std::vector<Eigen::Matrix3d>(k, one),
@@ -35,7 +37,7 @@ class RestHessian {
                                            smooth);
         hessian.Assemble(energy, rest, given);
         hessian.HoldTurns(energy);
-        isThere = !unknown.rotation.empty() && hessian.Factorise(progress) && hessian.Falling() == 0;
+        isThere = !unknown.rotation.empty() && hessian.Factorise(progress, limit) && hessian.Falling() == 0;
         hessian.DropMatrix();
     }
 
