@@ -447,6 +447,23 @@ TEST(GraphDeformer, GoesOnFromTheLastPose) {
     EXPECT_LE((on.position - rigid * first.position).norm(), 1e-6);
 }
 
+TEST(GraphDeformer, QuasiNewtonStepsLeadToTheSameShapeInFewer) {
+    const Rig rig(Jittered(Tube(80, 16), 0.05), 0.3, [](const Vector3d &p) { return TubeTag(p); });
+    const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area, rig.constrained, Behind(rig)[0]);
+    SolverParam quick, steady;
+    quick.tolerance = steady.tolerance = 1e-8;
+    steady.quasiNewton = false;
+    const GraphPose few = deformer.Solve(rig.NodeMotion(BendTube), quick),
+                    many = deformer.Solve(rig.NodeMotion(BendTube), steady);
+    ASSERT_TRUE(few.converged && many.converged);
+    EXPECT_LT(2 * few.iterations, many.iterations);
+    EXPECT_LE((few.position - many.position).colwise().norm().maxCoeff(), 1e-6);
+    // Those are for one smoothness; with another, poses take the other steps.
+    quick.smoothness = steady.smoothness = 0.1;
+    EXPECT_TRUE(SameBits(deformer.Solve(rig.NodeMotion(BendTube), quick).position,
+                         deformer.Solve(rig.NodeMotion(BendTube), steady).position));
+}
+
 TEST(GraphDeformer, IsScaleInvariant) {
     Rig rig = TubeRig();
     const double scale = 1024;
