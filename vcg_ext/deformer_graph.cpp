@@ -112,6 +112,7 @@ double RegionDeformer::TurnError(const Progress &progress) const {
     solver.tolerance = coarseError / 200; // far below the error of most surfaces
     solver.maxIterations = 100;
     solver.follow = true;
+    solver.quasiNewton = false; // the number of patches was chosen by what local and global steps tell
     ParallelTasks(progress, "Estimating the error", error.size(), [&](std::size_t axis, const Progress &each) {
         try {
             const Pose probe = Solve(Probe(int(axis)), solver, nullptr, each.Slice(0, 0.5));

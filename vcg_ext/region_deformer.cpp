@@ -168,12 +168,14 @@ RegionPose RegionDeformer::SolveAlong(const Way &way, const SolverParam &solver,
     }
     SolverParam last = solver;
     last.follow = true;
+    // After a large turn, a quasi-Newton step may be so long that the shape lets go of a full turn.
+    last.quasiNewton = last.quasiNewton && turns == 1;
     // On the path of a large turn: for each 60 degrees, so few iterations bring stiff parts to rest, but buckling,
     // which begins slowly, does not begin. 4 to 8 end in the same shape.
     const int few = 6;
     SolverParam passing = last;
     if (turns > 1) {
-        passing.follow = passing.quasiNewton = false;
+        passing.follow = false;
         passing.maxIterations = std::min(solver.maxIterations, (few * turns + steps - 1) / steps);
     }
     Pose pose;
@@ -228,7 +230,7 @@ int RegionDeformer::StepsTo(const HeldMotions &motions, const HeldMotions *begin
 
 RegionDeformer::System::System(const RegionDeformer &deformer, const NodeConstraints &given, const SolverParam &solver,
                                const Progress &progress)
-    : compliant(given.compliant), numbers(NumbersOf(solver)),
+    : compliant(given.compliant), numbers(NumbersOf(solver)), isQuasiNewton(solver.quasiNewton),
       parts(deformer.graph, deformer.graph.area, given, deformer.param.shape.heldDepth, progress, solver) {}
 
 std::array<double, 2> RegionDeformer::System::NumbersOf(const SolverParam &solver) {
@@ -242,7 +244,8 @@ RegionDeformer::SystemOf(const NodeConstraints &given, const SolverParam &solver
         progress(0, "Deforming the graph");
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
-    if (!latest || latest->compliant != given.compliant || latest->numbers != System::NumbersOf(solver))
+    if (!latest || latest->compliant != given.compliant || latest->numbers != System::NumbersOf(solver) ||
+        (solver.quasiNewton && !latest->isQuasiNewton))
         latest = std::make_shared<const System>(*this, given, solver, progress);
     return latest;
 }

@@ -137,6 +137,7 @@ class RegionDeformer : public MovingRegion {
     struct System {
         std::vector<bool> compliant;
         std::array<double, 2> numbers; // of NumbersOf
+        bool isQuasiNewton;            // whether it also serves these steps
         PartsDeformer parts;
         System(const RegionDeformer &deformer, const NodeConstraints &given, const SolverParam &solver,
                const Progress &progress);

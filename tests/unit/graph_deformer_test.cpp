@@ -105,8 +105,10 @@ TEST(GraphDeformer, EnergyFallsMonotonically) {
     large.linear() *= 1.7; // a handle that is scaled
     for (const Affine3d &last : {BendTube(2), large})
         for (double smoothness : {0.0, 0.005, 0.5}) {
+            SolverParam with;
+            with.smoothness = smoothness;
             const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area, {}, {},
-                                         ShapeConstants().heldDepth, {}, smoothness);
+                                         ShapeConstants().heldDepth, {}, with);
             double previous = std::numeric_limits<double>::infinity();
             for (int n = 1; n <= 25; ++n) {
                 SolverParam param = Iterations(n);
@@ -123,10 +125,10 @@ TEST(GraphDeformer, EnergyFallsMonotonically) {
 TEST(GraphDeformer, ConvergesToAStationaryPoint) {
     const Rig rig = TubeRig();
     for (double smoothness : {0.0, 0.005, 0.5}) {
-        const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area, {}, {}, ShapeConstants().heldDepth,
-                                     {}, smoothness);
         SolverParam param;
         param.smoothness = smoothness;
+        const GraphDeformer deformer(rig.graph, rig.constrained, rig.surface.area, {}, {}, ShapeConstants().heldDepth,
+                                     {}, param);
         param.maxIterations = 20000;
         param.tolerance = 1e-10;
         const std::vector<Affine3d> motion = rig.NodeMotion(BendTube);

@@ -24,6 +24,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -44,15 +45,17 @@ class GraphDeformer {
     /// \param heldArea k values, or empty for 0: held area behind a compliant node, frame units^2; infinite
     ///        for a region that goes on
     /// \param heldDepth as in ShapeConstants
-    /// \param smoothness of poses that are to be found in quasi-Newton steps
+    /// \param solver if its steps are quasi-Newton ones: its smoothness is that of poses to be found in such steps
     /// \throw Unsolvable when the system cannot be factorised, or takes too long \throw Cancelled
     GraphDeformer(const DeformationGraph &graph, const std::vector<bool> &constrained, double area,
                   const std::vector<bool> &compliant = {}, const std::vector<double> &heldArea = {},
                   double heldDepth = ShapeConstants().heldDepth, const Progress &progress = {},
-                  double smoothness = SolverParam().smoothness)
-        : graph(graph), area(area), smoothness(smoothness), unknown(graph.graph.adjacency, constrained, compliant),
-          energy(graph, unknown, heldArea, heldDepth), laplacian(graph, unknown, progress.Slice(0, 0.5)),
-          hessian(graph, energy, unknown, smoothness * area, progress.Slice(0.5, 1)) {
+                  const SolverParam &solver = {})
+        : graph(graph), area(area), smoothness(solver.smoothness),
+          unknown(graph.graph.adjacency, constrained, compliant), energy(graph, unknown, heldArea, heldDepth),
+          laplacian(graph, unknown, progress.Slice(0, 0.5)) {
+        if (solver.accelerated && solver.quasiNewton)
+            hessian.emplace(graph, energy, unknown, smoothness * area, progress.Slice(0.5, 1));
         for (Eigen::Index e = 0; e < graph.edge.cols(); ++e)
             edgeLength += graph.edge.col(e).cast<double>().norm() / double(graph.edge.cols());
         Eigen::VectorXd mass(Eigen::Index(unknown.position.size()));
@@ -159,7 +162,8 @@ class GraphDeformer {
         return {energy, unknown, given, edgeLength, Still(param)};
     }
     bool IsQuasiNewton(const SolverParam &param) const {
-        return param.accelerated && param.quasiNewton && param.smoothness == smoothness && hessian.IsThere();
+        return param.accelerated && param.quasiNewton && param.smoothness == smoothness && hessian &&
+               hessian->IsThere();
     }
     double Still(const SolverParam &param) const { return 10 * param.tolerance * Diagonal(); }
 
@@ -191,7 +195,7 @@ class GraphDeformer {
              ++pose.iterations) {
             if ((pose.iterations & 15) == 0)
                 progress(1 - detail::Exponential(-4.0 * pose.iterations / most), "Deforming the graph");
-            const bool isNoise = isQuasi && !hessian.Step(state, given, noise, stepped);
+            const bool isNoise = isQuasi && !hessian->Step(state, given, noise, stepped);
             if (!isQuasi)
                 Step(state, given, stepped, work);
             const double moved = LargestMove(state, stepped);
@@ -327,7 +331,7 @@ class GraphDeformer {
     detail::GraphUnknowns unknown;
     detail::GraphEnergy energy;
     detail::GraphLaplacian laplacian;
-    detail::RestHessian hessian;
+    std::optional<detail::RestHessian> hessian;
     double edgeLength = 0; // mean
     double spread = 0;     // over one frame unit^2: of the turn that the smoothness evens most slowly
 };

@@ -102,7 +102,7 @@ PartsDeformer::PartsDeformer(const DeformationGraph &graph, const std::vector<do
                                                             solver, progress);
         else
             part->deformer = std::make_unique<GraphDeformer>(part->graph, constrained, A, compliant, heldArea,
-                                                             heldDepth, progress, solver.smoothness);
+                                                             heldDepth, progress, solver);
         parts.push_back(std::move(part));
     }
 }
