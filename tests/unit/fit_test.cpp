@@ -755,7 +755,8 @@ TEST(Fit, TellsHowFarLandmarksAreWithoutThemselves) {
     const Fitted without = Fit(source, target, Small(), {}, {landmark[0]});
     ASSERT_EQ(off.size(), 2u);
     EXPECT_NEAR(off[1], (without.position.col(800) - landmark[1].target).norm(), 1e-4);
-    EXPECT_EQ(fitter.Residuals(landmark, without.position)[1], (without.position.col(800) - landmark[1].target).norm());
+    EXPECT_DOUBLE_EQ(fitter.Residuals(landmark, without.position)[1],
+                     (without.position.col(800) - landmark[1].target).norm());
     ExpectError(
         [&] {
             fitter.Residuals({{999999, Vector3d::Zero()}}, without.position);
