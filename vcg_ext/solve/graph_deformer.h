@@ -24,7 +24,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <optional>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -55,7 +55,8 @@ class GraphDeformer {
           unknown(graph.graph.adjacency, constrained, compliant), energy(graph, unknown, heldArea, heldDepth),
           laplacian(graph, unknown, progress.Slice(0, 0.5)) {
         if (solver.accelerated && solver.quasiNewton)
-            hessian.emplace(graph, energy, unknown, smoothness * area, progress.Slice(0.5, 1));
+            hessian = std::make_unique<const detail::RestHessian>(graph, energy, unknown, smoothness * area,
+                                                                  progress.Slice(0.5, 1));
         for (Eigen::Index e = 0; e < graph.edge.cols(); ++e)
             edgeLength += graph.edge.col(e).cast<double>().norm() / double(graph.edge.cols());
         Eigen::VectorXd mass(Eigen::Index(unknown.position.size()));
@@ -331,9 +332,9 @@ class GraphDeformer {
     detail::GraphUnknowns unknown;
     detail::GraphEnergy energy;
     detail::GraphLaplacian laplacian;
-    std::optional<detail::RestHessian> hessian;
-    double edgeLength = 0; // mean
-    double spread = 0;     // over one frame unit^2: of the turn that the smoothness evens most slowly
+    std::unique_ptr<const detail::RestHessian> hessian; // null: not asked for
+    double edgeLength = 0;                              // mean
+    double spread = 0; // over one frame unit^2: of the turn that the smoothness evens most slowly
 };
 
 } // namespace vcg::fcd
