@@ -124,8 +124,9 @@ RegionPose RegionDeformer::Solve(HeldMotions motions, const SolverParam &solver,
     for (const auto &each : pose.given.motion)
         pose.motion[each.first] = surface.frame.ToFrame(each.second);
     NodeConstraints given = ConstraintsOf(pose);
-    const std::shared_ptr<const System> system = SystemOf(given, solver, progress.Slice(0, 0));
-    pose.solved = system->parts.Solve(given, StepsOf(solver), progress, last ? &last->solved : nullptr,
+    const SolverParam steps = StepsOf(solver);
+    const std::shared_ptr<const System> system = SystemOf(given, steps, progress.Slice(0, 0));
+    pose.solved = system->parts.Solve(given, steps, progress, last ? &last->solved : nullptr,
                                       last ? last->nodeMotion : std::vector<Eigen::Affine3d>());
     pose.iterations = pose.solved.iterations;
     pose.graph = pose.solved;
@@ -230,11 +231,14 @@ int RegionDeformer::StepsTo(const HeldMotions &motions, const HeldMotions *begin
 
 RegionDeformer::System::System(const RegionDeformer &deformer, const NodeConstraints &given, const SolverParam &solver,
                                const Progress &progress)
-    : compliant(given.compliant), numbers(NumbersOf(solver)), isQuasiNewton(solver.quasiNewton),
+    : compliant(given.compliant), solver(solver),
       parts(deformer.graph, deformer.graph.area, given, deformer.param.shape.heldDepth, progress, solver) {}
 
-std::array<double, 2> RegionDeformer::System::NumbersOf(const SolverParam &solver) {
-    return {solver.rigidity, solver.smoothness};
+bool RegionDeformer::System::Serves(const NodeConstraints &given, const SolverParam &wanted) const {
+    const bool needsSmoothness = wanted.rigidity < 1 || wanted.IsQuasiNewton();
+    return compliant == given.compliant && solver.rigidity == wanted.rigidity &&
+           (!needsSmoothness ||
+            (solver.smoothness == wanted.smoothness && solver.IsQuasiNewton() == wanted.IsQuasiNewton()));
 }
 
 std::shared_ptr<const RegionDeformer::System>
@@ -244,8 +248,7 @@ RegionDeformer::SystemOf(const NodeConstraints &given, const SolverParam &solver
         progress(0, "Deforming the graph");
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
-    if (!latest || latest->compliant != given.compliant || latest->numbers != System::NumbersOf(solver) ||
-        (solver.quasiNewton && !latest->isQuasiNewton))
+    if (!latest || !latest->Serves(given, solver))
         latest = std::make_shared<const System>(*this, given, solver, progress);
     return latest;
 }

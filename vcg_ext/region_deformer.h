@@ -136,12 +136,11 @@ class RegionDeformer : public MovingRegion {
     /// The factorised systems, and what they depend on.
     struct System {
         std::vector<bool> compliant;
-        std::array<double, 2> numbers; // of NumbersOf
-        bool isQuasiNewton;            // whether it also serves these steps
+        SolverParam solver; // that it was made for
         PartsDeformer parts;
         System(const RegionDeformer &deformer, const NodeConstraints &given, const SolverParam &solver,
                const Progress &progress);
-        static std::array<double, 2> NumbersOf(const SolverParam &solver);
+        bool Serves(const NodeConstraints &given, const SolverParam &wanted) const;
     };
 
     /// A pose from rest, and all that it depends on.

@@ -42,6 +42,21 @@ TEST(Deformer, EachPoseIsThatOfADeformationAnew) {
     }
 }
 
+TEST(Deformer, APoseDoesNotDependOnTheStepsOfThoseBefore) {
+    DeformerRig rig(BentEnd());
+    const Matrix3Xd alone = vcg::tri::DeformCentroidal(rig.mesh, rig.bend.handles, rig.param).position;
+    for (const bool accelerated : {false, true})
+        for (const double smoothness : {rig.param.smoothness, 0.05}) {
+            DeformationParam other = rig.param;
+            other.accelerated = accelerated;
+            other.smoothness = smoothness;
+            rig.deformer->Solve(rig.bend.handles, other);
+            Matrix3Xd position = rig.rest;
+            Carrier(*rig.deformer, rig.deformer->Solve(rig.bend.handles, rig.param)).Apply(position);
+            EXPECT_TRUE(SameBits(position, alone)) << accelerated << ", " << smoothness;
+        }
+}
+
 TEST(Deformer, GivesWhatMayMoveOnceAndNothingElse) {
     DeformerRig rig(BentEnd());
     const Deformer::Pose pose = rig.deformer->Solve(rig.bend.handles, rig.param);

@@ -54,7 +54,7 @@ class GraphDeformer {
         : graph(graph), area(area), smoothness(solver.smoothness),
           unknown(graph.graph.adjacency, constrained, compliant), energy(graph, unknown, heldArea, heldDepth),
           laplacian(graph, unknown, progress.Slice(0, 0.5)) {
-        if (solver.accelerated && solver.quasiNewton)
+        if (solver.IsQuasiNewton())
             hessian = std::make_unique<const detail::RestHessian>(graph, energy, unknown, smoothness * area,
                                                                   progress.Slice(0.5, 1));
         for (Eigen::Index e = 0; e < graph.edge.cols(); ++e)
@@ -163,8 +163,7 @@ class GraphDeformer {
         return {energy, unknown, given, edgeLength, Still(param)};
     }
     bool IsQuasiNewton(const SolverParam &param) const {
-        return param.accelerated && param.quasiNewton && param.smoothness == smoothness && hessian &&
-               hessian->IsThere();
+        return param.IsQuasiNewton() && param.smoothness == smoothness && hessian && hessian->IsThere();
     }
     double Still(const SolverParam &param) const { return 10 * param.tolerance * Diagonal(); }
 
@@ -181,6 +180,7 @@ class GraphDeformer {
         // as over a path much longer than wide, it does not show in the steps' lengths after the 20 or more that others
         // take to come to rest: accelerated ones see down to the square of one over their number.
         const double slowest = 1.0 / (20 * 20);
+        const int patience = 5; // steps; with more, a pressed sheet gives way before
         const bool isQuasi = IsQuasiNewton(param), isSlow = !isQuasi && param.smoothness * area * spread < slowest;
         double near = still;                                       // error below which slow modes are looked for
         double shortest = std::numeric_limits<double>::infinity(); // of the steps
@@ -192,7 +192,7 @@ class GraphDeformer {
         Eigen::VectorXd here(size), after(size);
         Work work{std::vector<Eigen::Matrix3d>(graph.Size()), Eigen::Matrix3Xd(3, unknown.position.size())};
         pose.converged = false;
-        for (; !pose.converged && pose.iterations < most && !(isQuasi && param.follow && longer == 5);
+        for (; !pose.converged && pose.iterations < most && !(isQuasi && param.follow && longer == patience);
              ++pose.iterations) {
             if ((pose.iterations & 15) == 0)
                 progress(1 - detail::Exponential(-4.0 * pose.iterations / most), "Deforming the graph");

@@ -70,6 +70,11 @@ class GraphHessian {
         }
     }
     /// Radians.
+    /// Shortens \p step to turns that the quadratic model is good for.
+    void Limit(Eigen::VectorXd &step) const {
+        const double farthest = 0.5; // radians
+        step *= std::min(1.0, farthest / LargestTurn(step));
+    }
     double LargestTurn(const Eigen::VectorXd &step) const {
         return Largest(unknown.rotation, [&](Index i) { return Turned(step, i).norm(); });
     }

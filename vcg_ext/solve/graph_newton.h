@@ -35,7 +35,8 @@ class GraphNewton {
             if (!Look(state, progress.Slice(double(n) / most, double(n + 1) / most)))
                 return false;
             const double moved = std::max(hessian.LargestMove(step), hessian.LargestTurn(step) * edgeLength);
-            hessian.Move(state, Limited());
+            hessian.Limit(step);
+            hessian.Move(state, step);
             if (moved <= still) {
                 state.energy = energy.Of(state, given);
                 pose.unstable = hessian.Falling() > 0;
@@ -52,7 +53,8 @@ class GraphNewton {
             const double done = 1 - Exponential(-4.0 * pose.iterations / mostIterations);
             if (!Look(state, progress.Slice(done, done)))
                 return false;
-            Eigen::VectorXd way = Limited();
+            Eigen::VectorXd way = step;
+            hessian.Limit(way);
             if (std::max(hessian.LargestMove(way), hessian.LargestTurnOfGiven(way) * edgeLength) <= still)
                 return true;
             // Where the edges leave a turn open, a step may be as long as it likes, and is nothing but rounding.
@@ -87,10 +89,6 @@ class GraphNewton {
         gradient = energy.Gradient(state, given);
         step = -hessian.Solve(gradient);
         return step.allFinite();
-    }
-    Eigen::VectorXd Limited() const {
-        const double farthest = 0.5; // radians a step: up to there, the quadratic model is good
-        return std::min(1.0, farthest / hessian.LargestTurn(step)) * step;
     }
 
     const GraphEnergy &energy;

@@ -10,7 +10,6 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -47,15 +46,13 @@ class RestHessian {
     /// Goes a step on from \p x. \param y out \param noise what a gradient is off by, by rounding
     /// \return whether the step is more than that
     bool Step(const State &x, const GraphEnergy::PoseTerms &given, double noise, State &y) const {
-        const double farthest = 0.5; // radian: beyond it no quadratic is good
         const Eigen::VectorXd gradient = energy.Gradient(x, given);
         Eigen::VectorXd step = gradient;
         Turn(x, true, step);
         step = -hessian.Solve(step);
         Turn(x, false, step);
         const bool isMore = -gradient.dot(step) > noise * step.cwiseAbs().maxCoeff();
-        if (const double turn = hessian.LargestTurn(step); turn > farthest)
-            step *= farthest / turn;
+        hessian.Limit(step);
         y = x;
         hessian.Move(y, step);
         return isMore;

@@ -26,6 +26,9 @@ struct SolverParam {
     /// it comes to rest soon, the bits are the same.
     bool follow = false;
 
+    /// Whether poses begin with quasi-Newton steps.
+    bool IsQuasiNewton() const { return accelerated && quasiNewton && rigidity == 1; }
+
     bool operator==(const SolverParam &o) const {
         return smoothness == o.smoothness && rigidity == o.rigidity && maxIterations == o.maxIterations &&
                tolerance == o.tolerance && accelerated == o.accelerated && quasiNewton == o.quasiNewton &&
