@@ -15,10 +15,10 @@ namespace {
 
 constexpr const char *stage = "Looking for contact";
 
-/// The faces that can have come into contact: those that move, and those that stay in the box of these.
+/// The faces that may be in contact: all that move, and those at rest within the box of these.
 struct Looked {
     std::vector<std::uint32_t> face, still; ///< ascending
-    Eigen::AlignedBox3d box;                ///< of those that move, now
+    Eigen::AlignedBox3d box;                ///< of the moving faces, now
 };
 
 Looked FacesToLookAt(const TwoShapes &shape, const Progress &progress) {
@@ -63,11 +63,11 @@ Looked FacesToLookAt(const TwoShapes &shape, const Progress &progress) {
     return all;
 }
 
-/// Boxes of triangles in Morton order, some together. That numbers are rounded to single precision keeps their order:
-/// what meets, meets in these boxes, too.
+/// Boxes of triangles in Morton order, eight in a leaf. They are in single precision. Rounding keeps the order of
+/// numbers, so boxes that meet also meet when rounded.
 class Leaves {
   public:
-    static constexpr std::size_t wide = 8; // as many as processors compare at a time
+    static constexpr std::size_t wide = 8; // numbers in a register
 
     Leaves(const TwoShapes &shape, const Looked &looked, const Progress &progress)
         : moving(looked.face.size()), count(moving + looked.still.size()), origin(looked.box.center()),
@@ -89,16 +89,16 @@ class Leaves {
     }
 
     struct Leaf {
-        float low[3][wide], high[3][wide]; ///< of places without a triangle, empty
+        float low[3][wide], high[3][wide]; ///< corners of the boxes; an entry without a triangle has an empty one
         std::uint32_t face[wide];
-        std::uint32_t moves; ///< a bit each
+        std::uint32_t moves; ///< a bit for each triangle
     };
 
     std::size_t Size() const { return (count + wide - 1) / wide; }
     const Leaf &operator[](std::size_t i) const { return leaf[i]; }
     const Eigen::AlignedBox3f &BoxOf(std::size_t i) const { return box[i]; }
 
-    /// Which triangles of \p b have boxes that meet that of one of \p a, a bit each.
+    /// A bit for each triangle of \p b: whether its box meets that of triangle \p k of \p a.
     static std::uint32_t Meeting(const Leaf &a, std::size_t k, const Leaf &b) {
         std::uint32_t bits = 0;
         for (std::size_t l = 0; l < wide; ++l) {
@@ -110,7 +110,7 @@ class Leaves {
         return bits;
     }
 
-    /// Whether the box of a triangle meets that of a leaf.
+    /// Whether the box of triangle \p k of \p a meets that of leaf \p j.
     bool MeetsBox(const Leaf &a, std::size_t k, std::size_t j) const {
         const Eigen::AlignedBox3f &its = box[j];
         int meet = 1;
@@ -143,7 +143,7 @@ class Leaves {
 
     const std::size_t moving, count;
     const Eigen::Vector3d origin;
-    std::unique_ptr<std::uint64_t[]> item; ///< Morton code << 32 | number
+    std::unique_ptr<std::uint64_t[]> item; ///< Morton code << 32 | number: of moving faces first, then of still ones
     std::unique_ptr<Leaf[]> leaf;
     std::vector<Eigen::AlignedBox3f> box;
 };
@@ -176,7 +176,7 @@ std::vector<Crossing> FindCrossings(const TwoShapes &shape, double apart, const 
                 continue;
             tree.ForMeeting(leaves.BoxOf(i), [&](std::size_t j) {
                 const Leaves::Leaf &b = leaves[j];
-                if (j < i && b.moves != 0) // then this pair is looked at from there
+                if (j < i && b.moves != 0) // leaf j finds this pair
                     return;
                 for (std::size_t k = 0; k < Leaves::wide; ++k) {
                     if (!leaves.MeetsBox(a, k, j))

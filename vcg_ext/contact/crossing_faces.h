@@ -14,16 +14,16 @@
 
 namespace vcg::fcd::detail {
 
-/// Two faces that pass through each other now, and were apart at rest.
+/// Two faces that pass through each other in the pose, and were apart at rest.
 struct Crossing {
     std::uint32_t face[2];
-    double through; ///< world units
+    double through; ///< depth, world units
     bool operator<(const Crossing &o) const {
         return std::make_pair(face[0], face[1]) < std::make_pair(o.face[0], o.face[1]);
     }
 };
 
-/// A surface at rest and now, in world units.
+/// A surface at rest and in a pose ("now"), both in world units.
 class TwoShapes {
   public:
     TwoShapes(const SurfaceView &mesh, const PositionsRef &position, const Eigen::Matrix3d &metric)
@@ -62,8 +62,9 @@ class TwoShapes {
     const bool isSame;
 };
 
-/// The pairs of faces that pass through each other now, ascending, of those that were farther from each other at rest
-/// than \p apart, a fraction of the diagonal of the box of what moves. \throw Cancelled
+/// The pairs of faces that pass through each other now, ascending. Pairs that touched at rest are left out.
+/// \param apart the distance up to which faces touch, over the diagonal of the posed box of the faces that move
+/// \throw Cancelled
 std::vector<Crossing> FindCrossings(const TwoShapes &shape, double apart, const Progress &progress);
 
 } // namespace vcg::fcd::detail

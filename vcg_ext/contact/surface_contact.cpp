@@ -22,10 +22,10 @@ namespace {
 using detail::TwoShapes;
 constexpr const char *stage = "Measuring contact";
 
-/// The pieces that a surface falls into without the faces that pass through others.
+/// The pieces of a surface if the faces that pass through others are left out.
 class Pieces {
   public:
-    /// \param crosses a flag a face
+    /// \param crosses per face: whether it passes through another
     Pieces(const TwoShapes &shape, const std::vector<char> &crosses, const Progress &progress)
         : nodeOf(shape.mesh.vertexSlots, -1) {
         const Index nodes = Weld(shape, progress);
@@ -52,11 +52,11 @@ class Pieces {
             if (Index &largest = main[std::size_t(part[u])];
                 pieceOf[u] == u && (largest < 0 || area[u] > area[largest]))
                 largest = u;
-        for (Index u = 0; u < nodes; ++u) // ascending: a part is known by its first node
+        for (Index u = 0; u < nodes; ++u) // ascending: a part's number is its first node
             main[u] = main[std::size_t(part[u])];
     }
 
-    /// That of a vertex slot, -1 for none.
+    /// The piece of a vertex slot, -1 for none.
     Index Of(std::size_t slot) const { return nodeOf[slot] < 0 ? -1 : pieceOf[std::size_t(nodeOf[slot])]; }
     /// Whether a vertex is in another piece than the largest one of its connected part.
     bool IsCutOff(std::size_t slot) const { return nodeOf[slot] >= 0 && Of(slot) != main[std::size_t(nodeOf[slot])]; }
@@ -71,7 +71,7 @@ class Pieces {
     }
 
   private:
-    /// Sets the node of each vertex; those at one place at rest have one. \return how many nodes there are
+    /// Welds vertices at the same rest position into nodes. \return number of nodes
     Index Weld(const TwoShapes &shape, const Progress &progress) {
         Eigen::AlignedBox3d box;
         std::size_t count = 0;
@@ -95,13 +95,13 @@ class Pieces {
     }
 
     std::vector<Index> nodeOf;        ///< per vertex slot
-    std::vector<Index> pieceOf, main; ///< per node: its piece, and the largest one of its connected part
+    std::vector<Index> pieceOf, main; ///< per node: its piece, and the largest piece of its connected part
 };
 
-/// Triangles to find what is nearest in, with corners of their own.
+/// Triangles of the posed surface with corners of their own, and a tree that finds the nearest one. World units.
 struct Triangles {
     std::vector<Eigen::Vector3d> corner;
-    std::vector<std::array<Index, 3>> triangle, piece; ///< its corners, and the pieces that these are in
+    std::vector<std::array<Index, 3>> triangle, piece; ///< corners, and the piece of each corner
     Eigen::AlignedBox3d box;
     Eigen::Matrix3Xd position;
     std::unique_ptr<const detail::TriangleTree> tree;
@@ -122,13 +122,13 @@ struct Triangles {
     }
 };
 
-/// How far the vertices of pieces that are cut off are from the surface that they came through: the other pieces that
-/// are cut off, and faces that pass through others but not those at the own piece's border.
+/// Sets the depth of vertices of cut-off pieces: the distance from the nearest triangle of another cut-off piece, or
+/// the nearest crossing face without a corner in the vertex's own piece.
 void MeasurePieces(const TwoShapes &shape, const std::vector<char> &crosses, SurfaceContact &contact,
                    const Progress &progress) {
     const Pieces pieces(shape, crosses, progress.Slice(0, 0.3));
     Triangles crossing;
-    std::vector<Triangles> cut; // a piece each, in the order of their first faces
+    std::vector<Triangles> cut; // the pieces that are cut off, in the order of their first faces
     std::map<Index, std::size_t> numberOf;
     pieces.ForFaces(shape, [&](std::size_t f) {
         if (crosses[f])
@@ -163,7 +163,7 @@ void MeasurePieces(const TwoShapes &shape, const std::vector<char> &crosses, Sur
                 if (cut[c].piece[0][0] != own && cut[c].box.squaredExteriorDistance(p) < square)
                     square = std::min(square, (*cut[c].tree)(p, -1).square);
             });
-            if (square < std::numeric_limits<double>::max()) // otherwise, all that crosses is at its own border
+            if (square < std::numeric_limits<double>::max()) // else all crossing faces are at its own border
                 contact.depth[i] = float(std::sqrt(square));
         }
     });

@@ -13,36 +13,31 @@
 
 namespace vcg::fcd {
 
-/// Where a deformed surface passes through itself, and did not at rest.
+/// Where a deformed surface passes through itself and did not at rest.
 struct SurfaceContact {
-    /// Faces that pass through another one that they were apart from at rest, ascending. What met or touched there, as
-    /// neighbours do, does not count.
+    /// Faces that pass through another one, ascending. Pairs that met or touched at rest do not count.
     std::vector<std::uint32_t> face;
-    std::int64_t pairs = 0; ///< of such faces
-    /// How far the surface reaches through itself at most, world units: the largest of \ref depth.
+    std::int64_t pairs = 0; ///< number of pairs of such faces
+    /// The largest of \ref depth, world units.
     double largest = 0;
-    /// Per vertex slot, world units: how far it has come through, which is 0 of most; empty where there is no contact.
-    /// Where the faces that pass through others cut something off (of each connected part, all but the largest piece),
-    /// this is the distance of its vertices from the surface that they came through; of other corners of those faces,
-    /// how far the two reach through each other.
+    /// How far each vertex slot has come through the surface, world units; 0 for most, empty without contact. Corners
+    /// of \ref face have the depth of their pair of faces. Those faces also cut the surface into pieces. In each
+    /// connected part, all pieces but the largest are inside: their vertices have the distance from the surface that
+    /// they passed.
     std::vector<float> depth;
 
-    std::string Text() const; ///< all of that in a sentence, empty where there is no contact
+    std::string Text() const; ///< a sentence about it; empty without contact
 };
 
-/// Faces of a surface in which contact is looked for without being asked: that takes a tenth of a second at most, which
-/// nobody waits for. In two million it takes as long as all else of a deformation.
+/// Surfaces of at most so many faces are checked for contact unasked. That takes a tenth of a second at most. For two
+/// million faces, it takes as long as the rest of a deformation.
 constexpr std::size_t contactUnasked = 250000;
 
-/// Finds what of a surface passes through it after a deformation. A cloud passes through nothing. The same for any
-/// number of threads; about a second for a million triangles that move, and nothing for those that do not.
-/// \param mesh at rest \param position 3 x vertex slots, mesh units: where the vertices are now; a face with one that
-/// is
-///        not finite is left out
-/// \param metric as of Frame \param apart faces no farther from each other at rest than this, as a fraction of the
-///        diagonal of the box of those that are looked at, touch there: that of vertices that are as good as at one
-///        place
-/// \throw Cancelled
+/// Finds where a deformed surface passes through itself; a cloud never does. The result is the same for any number of
+/// threads. It takes about a second for a million triangles that move, and nothing for others. \param mesh at rest
+/// \param position 3 x vertex slots, mesh units: of the pose; faces with a corner that is not finite are left out
+/// \param metric as of Frame \param apart the distance up to which faces touch at rest, over the diagonal of the posed
+/// box of the faces that move \throw Cancelled
 SurfaceContact FindContact(const SurfaceView &mesh, const PositionsRef &position, const Eigen::Matrix3d &metric,
                            double apart, const Progress &progress = {});
 

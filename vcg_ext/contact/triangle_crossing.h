@@ -15,11 +15,11 @@ namespace vcg::fcd::detail {
 /// The corners of a triangle.
 using Corners3 = std::array<Eigen::Vector3d, 3>;
 
-/// How far corners are from the plane of a triangle, on its two sides.
+/// The distances of three corners from the plane of a triangle, on its two sides.
 struct BesidePlane {
-    Eigen::Vector3d normal; ///< any length
-    double at[3];           ///< of each corner, times the length of the normal
-    double front = 0, back = 0;
+    Eigen::Vector3d normal;     ///< any length
+    double at[3];               ///< signed distance of each corner, times the length of the normal
+    double front = 0, back = 0; ///< the largest on each side, times the same
 
     BesidePlane(const Corners3 &plane, const Corners3 &corner)
         : normal((plane[1] - plane[0]).cross(plane[2] - plane[0])) {
@@ -29,12 +29,13 @@ struct BesidePlane {
             back = std::max(back, -at[k]);
         }
     }
-    /// How far they reach through it: the way out is no longer than that.
+    /// How far they reach through the plane: a move by so much, along the normal, takes them out of it.
     double Through() const { return std::min(front, back) / normal.norm(); }
 };
 
-/// From where to where a triangle cuts a line in its plane. \param direction of the line \param beside its corners and
-/// the plane that the line is cut from
+/// The interval in which a triangle meets the line where its plane cuts another one, as dot products with \p direction
+/// from \p origin; (inf, -inf) if it does not. \param direction of the line \param beside the triangle's corners beside
+/// the other plane
 inline Eigen::Vector2d CutOf(const Corners3 &corner, const BesidePlane &beside, const Eigen::Vector3d &direction,
                              const Eigen::Vector3d &origin) {
     Eigen::Vector2d cut(std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity());
@@ -50,9 +51,9 @@ inline Eigen::Vector2d CutOf(const Corners3 &corner, const BesidePlane &beside, 
     return cut;
 }
 
-/// How far two triangles reach through each other; 0 where they do not, where they only touch or lie in one plane, and
-/// where one of them has no area (T. Moeller, A Fast Triangle-Triangle Intersection Test, 1997). \param least what
-/// coordinates are rounded by: what reaches through by no more touches
+/// How far two triangles reach through each other; 0 if they only touch, lie in one plane, or one has no area (T.
+/// Moeller, A Fast Triangle-Triangle Intersection Test, 1997). \param least the rounding of the coordinates: up to this
+/// depth, triangles only touch
 inline double Through(const Corners3 &a, const Corners3 &b, double least) {
     const BesidePlane toA(a, b);
     if (!(toA.front > 0 && toA.back > 0))
@@ -61,17 +62,17 @@ inline double Through(const Corners3 &a, const Corners3 &b, double least) {
     if (!(toB.front > 0 && toB.back > 0))
         return 0;
     const double through = std::min(toA.Through(), toB.Through());
-    if (!(through > least)) // or not a number: of a triangle without an area
+    if (!(through > least)) // NaN: a triangle without an area
         return 0;
     const Eigen::Vector3d direction = toA.normal.cross(toB.normal);
     const Eigen::Vector2d ofA = CutOf(a, toB, direction, a[0]), ofB = CutOf(b, toA, direction, a[0]);
     return std::max(ofA[0], ofB[0]) < std::min(ofA[1], ofB[1]) ? through : 0;
 }
 
-/// The square of the distance between two edges (C. Ericson, Real-Time Collision Detection, 5.1.9).
+/// The square of the distance between two edges p q and r s (C. Ericson, Real-Time Collision Detection, 5.1.9).
 inline double SquareBetweenEdges(const Eigen::Vector3d &p, const Eigen::Vector3d &q, const Eigen::Vector3d &r,
                                  const Eigen::Vector3d &s) {
-    const auto within = [](double t) { return std::min(1.0, std::max(0.0, t)); }; // 0 where it is not a number
+    const auto within = [](double t) { return std::min(1.0, std::max(0.0, t)); }; // 0 for NaN
     const Eigen::Vector3d d = q - p, e = s - r, w = p - r;
     const double dd = d.squaredNorm(), ee = e.squaredNorm(), de = d.dot(e), dw = d.dot(w), ew = e.dot(w);
     double t = within((de * ew - dw * ee) / (dd * ee - de * de));
@@ -80,7 +81,7 @@ inline double SquareBetweenEdges(const Eigen::Vector3d &p, const Eigen::Vector3d
     return (w + t * d - u * e).squaredNorm();
 }
 
-/// Whether two triangles pass through each other, or are no farther from each other than \p distance.
+/// Whether two triangles pass through each other, or are within \p distance of each other.
 inline bool AreNear(const Corners3 &a, const Corners3 &b, double distance) {
     const double square = distance * distance;
     for (const auto &[one, other] : {std::pair<const Corners3 *, const Corners3 *>{&a, &b}, {&b, &a}})

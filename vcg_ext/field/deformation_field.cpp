@@ -14,7 +14,7 @@ Eigen::Vector3d DeformationField::operator()(const Eigen::Vector3d &p, Eigen::Ma
     NearestPlace::Hint none = {};
     const bool isPlace = p.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= 1e100;
     const SurfacePlace place = isPlace ? places(p, hint ? *hint : none) : SurfacePlace();
-    Eigen::Vector3d q = Eigen::Vector3d::Zero(), way = Eigen::Vector3d::Zero();
+    Eigen::Vector3d q = Eigen::Vector3d::Zero(), displacement = Eigen::Vector3d::Zero();
     for (int k = 0; k < place.count; ++k)
         q += place.weight[k] * samples.position.col(place.slot[k]);
     Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
@@ -22,14 +22,14 @@ Eigen::Vector3d DeformationField::operator()(const Eigen::Vector3d &p, Eigen::Ma
         const Index i = place.slot[k];
         const Eigen::Matrix3d own = samples.gradient[i].cast<double>();
         const Eigen::Vector3d toPlace = q - samples.position.col(i);
-        way += place.weight[k] * (samples.displacement.col(i) + 0.5 * (own * toPlace));
+        displacement += place.weight[k] * (samples.displacement.col(i) + 0.5 * (own * toPlace));
         gradient += place.weight[k] * own;
     }
     if (place.count > 0)
-        way += gradient * (p - q);
+        displacement += gradient * (p - q);
     if (linear)
         *linear = (Eigen::Matrix3d::Identity() + gradient).cast<float>();
-    return way;
+    return displacement;
 }
 
 } // namespace vcg::fcd

@@ -26,7 +26,7 @@ constexpr std::size_t deformationFaceBytes = 1 + 3 * sizeof(Index);
 constexpr const char *differenceMark = "comment largest difference ",
                      *checksumMark = "comment CRC-32 without this line ";
 
-/// The lines of the header, "*" for a number that the reader is told, "?" for what is read apart.
+/// The lines of the header; "*" stands for a count, "?" for a value of its own syntax.
 std::vector<std::string> DeformationHeader(std::uint64_t version) {
     std::vector<std::string> lines{"ply", "format binary_little_endian 1.0", std::string(deformationMark) + "*"};
     if (version > 1)
@@ -42,7 +42,7 @@ std::vector<std::string> DeformationHeader(std::uint64_t version) {
     return lines;
 }
 
-/// CRC-32 of bytes that follow others. \param crc that of these, 0 of none
+/// CRC-32 of bytes that follow others. \param crc of the others, 0 if there are none
 std::uint32_t Crc32(const char *bytes, std::size_t count, std::uint32_t crc) {
     static const auto table = [] {
         std::array<std::uint32_t, 256> of{};
@@ -59,8 +59,7 @@ std::uint32_t Crc32(const char *bytes, std::size_t count, std::uint32_t crc) {
     return ~crc;
 }
 
-/// The line of the checksum of a file that otherwise has the first \p before bytes of \p text, and those from \p next
-/// on.
+/// The checksum's line, of the first \p before bytes of \p text and those from \p next on.
 std::string ChecksumLine(const std::string &text, std::size_t before, std::size_t next) {
     const std::uint32_t crc = Crc32(text.data() + next, text.size() - next, Crc32(text.data(), before, 0));
     std::string line = checksumMark;
@@ -69,7 +68,7 @@ std::string ChecksumLine(const std::string &text, std::size_t before, std::size_
     return line + "\n";
 }
 
-/// A number that is at least 0, to the bit.
+/// A number >= 0, to the bit; "unknown" for others and NaN.
 std::string NumberText(double number) { return number >= 0 ? detail::ToText(number) : "unknown"; }
 
 } // namespace
@@ -189,7 +188,7 @@ FieldSamples ReadDeformationText(const std::string &text, const std::string &nam
         for (int r = 0; r < 3; ++r)
             for (int c = 0; c < 3; ++c)
                 take(samples.gradient[i](r, c));
-        const double largest = 1e100; // so that no product of two, nor of one with a gradient, is infinite
+        const double largest = 1e100; // products of two, and with a gradient, stay finite
         if (!(samples.position.col(Eigen::Index(i)).cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= largest) ||
             !(samples.displacement.col(Eigen::Index(i)).cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= largest) ||
             !samples.gradient[i].allFinite())

@@ -8,32 +8,31 @@
 
 /// \file
 /// A saved deformation: a binary little-endian PLY file (G. Turk, The PLY polygon file format, 1994) of the surface
-/// that the deformation was sampled on, in world coordinates. Any program that reads PLY shows that surface; this one
-/// needs no library for it, with or without MeshLab around it.
+/// with the samples, in world coordinates. Any program that reads PLY shows that surface.
 ///
 ///     vertex   x y z          double  position at rest
 ///              ux uy uz       double  displacement
 ///              uxx uxy ... uzz float  its gradient, row by row: uxy is how ux changes along y
-///     face     vertex_indices list of 3, equal ones for an edge or a point; a cloud has no faces
+///     face     vertex_indices list of 3, repeated for an edge or a point; a cloud has no faces
 ///
-/// Two comments of the header tell the largest difference from the deformation at a vertex of what was sampled, in
-/// world units, and a checksum: CRC-32 (ISO 3309; that of PNG and zip) of the file without the line that tells it, 8
-/// hexadecimal digits. (Not one of the faster hashes: the libraries of all languages have this one, so that any program
-/// can write and check such files, and it finds whatever changes up to 32 bits in a row.)
+/// Two comments of the header give the largest difference from the deformation at a vertex of the surface that was
+/// sampled, in world units ("unknown" if it is), and a checksum: CRC-32 (ISO 3309, as of PNG and zip) of the file
+/// without the checksum's line, 8 hexadecimal digits. (Faster hashes exist. But all languages have this one, so any
+/// program can write and check such files, and it finds every change of up to 32 bits in a row.)
 ///
-/// The reader takes what the writer writes and nothing else, so that each bit of it is checked. Files of version 1,
-/// which have neither comment, are read, too.
+/// The reader takes exactly what the writer writes, so that each bit is checked, and files of version 1, which have
+/// neither comment.
 
 namespace vcg::fcd {
 
 /// The content of the file of a deformation.
 std::string DeformationText(const FieldSamples &samples);
 
-/// Reads what DeformationText writes, to the bit. \param name what messages call it
-/// \throw BadInput for anything else, naming the place; no number in it is trusted before it has been checked
+/// Reads what DeformationText writes, to the bit. \param name of the file, for messages \throw BadInput for anything
+/// else, with the place. Each number is checked before it is used
 FieldSamples ReadDeformationText(const std::string &text, const std::string &name);
 
-/// ReadDeformationText of a file. \throw BadInput also when it is not readable
+/// ReadDeformationText of a file. \throw BadInput the same, and if it cannot be read
 FieldSamples ReadDeformationFile(const std::string &path);
 
 } // namespace vcg::fcd

@@ -21,12 +21,12 @@
 
 namespace vcg::fcd::detail {
 
-/// Where patches meet in faces: a triangle where three of them do, (a, b, b) and (a, a, a) of what is narrower. \param
-/// face corners, vertex slots
+/// The dual graph of patches, as triangles of patches: (a, b, c) where three meet in a face, (a, b, b) and (a, a, a)
+/// for edges and points that are in no triangle. \param face corners, vertex slots
 std::vector<std::array<Index, 3>> DualOf(const Patches &patches, const SurfaceGraph &surface,
                                          const std::vector<std::array<Index, 3>> &face, const Progress &progress);
 
-/// The deformation of a mesh as it is sampled, each of its regions by itself.
+/// Samples the deformation of a mesh, each region apart.
 class FieldSampler {
   public:
     FieldSampler(const SurfaceGraph &surface, std::vector<std::array<Index, 3>> face, const Eigen::Matrix3Xd &rest,
@@ -63,16 +63,15 @@ class FieldSampler {
         PutSeeds(rests, std::size_t(regions));
     }
 
-    /// The dual of the patches around the samples: a triangle where three of them meet in a face, an edge or a point
-    /// for what is narrower than a patch.
+    /// The samples, and the dual graph of the patches around them.
     FieldSamples Sample(const Progress &progress) {
         std::vector<Index> seed;
         for (Index u = 0; u < Index(isSeed.size()); ++u)
             if (isSeed[u])
                 seed.push_back(u);
-        // The same steps however many there are elsewhere.
+        // A spacing that does not depend on the number of seeds elsewhere.
         patches = GrowPatches(surface.graph, {}, seed, progress.Slice(0, 0.5), 1 / std::sqrt(float(param.moving)));
-        for (Index u : patches.center) // those of parts without a seed, too
+        for (Index u : patches.center) // also of parts without a seed
             isSeed[u] = 1;
 
         FieldSamples samples;
@@ -103,21 +102,22 @@ class FieldSampler {
         return samples;
     }
 
-    /// Compares at every vertex of what is not done yet, or only where samples were added, and adds samples: wherever
-    /// something would move that rests, and where each octant of a patch is off most. \return whether all is done
+    /// Compares samples and deformation at the vertices of pieces that are not done, or only where samples were added.
+    /// Adds samples at all vertices that rest and would move, and at the largest error of each octant of a patch.
+    /// \return whether all is done
     bool Refine(const DeformationField &field, SampledField &result, const Progress &progress) {
         Compare(field, result, progress);
         struct PieceErrors {
             Index off = 0, patches = 0;
-            std::vector<Index> worst, all; // slots that are off
-            bool any = false;
+            std::vector<Index> worst, all; // slots beyond the accuracy: largest of each octant; all
+            bool any = false;              // samples were added
         };
         std::vector<PieceErrors> found(pieces.size());
         for (Index center : patches.center)
             ++found[PieceOf(center)].patches;
         constexpr std::size_t octants = 8; // of a patch, around its centre
         std::vector<Index> farthest(octants * std::size_t(patches.Size()), -1);
-        std::map<std::pair<std::size_t, std::size_t>, Index> across; // of patches of another piece, by piece
+        std::map<std::pair<std::size_t, std::size_t>, Index> across; // the same in patches of another piece, by piece
         std::vector<Index> added;
         for (std::size_t i = 0; i < counts.size(); ++i) {
             if (!counts[i] || pieces[PieceOf(surface.nodeOf[i])].isDone)
@@ -153,11 +153,11 @@ class FieldSampler {
             take(each.second);
         for (PieceErrors &each : found) {
             std::vector<Index> &worst = each.worst;
-            if (16 * std::int64_t(each.off) < each.patches) // few: all of them, in fewer rounds
+            if (16 * std::int64_t(each.off) < each.patches) // few: take all, for fewer rounds
                 worst = std::move(each.all);
             const Index room = param.most - each.patches;
             const std::size_t wanted =
-                room > param.most / 50 ? std::size_t(room) / 2 : 0; // what is off most first, bit by bit
+                room > param.most / 50 ? std::size_t(room) / 2 : 0; // the largest errors, half of the room at a time
             if (worst.size() > wanted) {
                 std::sort(worst.begin(), worst.end(), [this](Index a, Index b) {
                     return std::make_pair(-error[a], a) < std::make_pair(-error[b], b);
@@ -176,12 +176,13 @@ class FieldSampler {
         for (std::size_t p = 0; p < pieces.size(); ++p) {
             Piece &piece = pieces[p];
             isCompared = isCompared && !piece.isDone;
-            piece.isDone = piece.isDone || (!found[p].any && !piece.isNearby); // when all have been compared
-            // Few that are left are seen to with what comes to light elsewhere.
+            piece.isDone =
+                piece.isDone || (!found[p].any && !piece.isNearby); // done only after all its vertices were compared
+            // While more than a few are off, only vertices near new samples are compared in the next round.
             piece.isNearby = found[p].any && 1000 * std::int64_t(found[p].off) > found[p].patches;
             isDone = isDone && piece.isDone;
         }
-        if (isDone && !isCompared) // once more, as samples that came since may lie near what was done before
+        if (isDone && !isCompared) // compare all once more: later samples may lie near pieces that were done
             for (Piece &piece : pieces)
                 piece.isDone = false;
         return isDone && isCompared;
@@ -194,7 +195,7 @@ class FieldSampler {
     }
 
   private:
-    /// A region, a part of a handle or a loose part that moves, or, the first, all else.
+    /// A region, or a moving part of a handle, or a loose part. The first piece is all the rest.
     struct Piece {
         double accuracy = 0;
         bool isNearby = false; ///< compared only where samples were added
@@ -203,8 +204,8 @@ class FieldSampler {
 
     std::size_t PieceOf(Index node) const { return std::size_t(pieceOf[node]); }
 
-    /// Numbers the pieces of what moves and is in no region, from \p next on. What is held by another handle is another
-    /// one, so that each is what it is where the other does not move.
+    /// Numbers the pieces that move and are in no region, from \p next on. Each handle has pieces of its own, so that
+    /// they do not depend on the motion of others.
     void NumberOthers(const std::vector<char> &rests, Index next) {
         const auto isOther = [&](Index u) { return pieceOf[u] < 0 && !rests[u]; };
         DisjointSets joined(surface.graph.Size());
@@ -240,16 +241,17 @@ class FieldSampler {
             const double automatic =
                 its.box.isEmpty() ? 0 : std::min(1e-4 * its.box.diagonal().norm(), its.motion / 50);
             pieces[p].accuracy = std::max(param.accuracy > 0 ? param.accuracy : automatic,
-                                          4 * std::numeric_limits<double>::epsilon() * its.farthest); // as rounded
+                                          4 * std::numeric_limits<double>::epsilon() * its.farthest); // rounding
         }
     }
 
-    /// \param rests flags of nodes \param regions how many there are: the pieces after the first
+    /// Chooses the first samples. \param rests flags of nodes \param regions number of regions, the pieces after the
+    /// first
     void PutSeeds(const std::vector<char> &rests, std::size_t regions) {
-        // A wall of samples around what moves, and between pieces: no triangle is part of both what moves and what
-        // rests farther away, and none of two pieces but what joins their walls.
+        // A wall of samples around what moves, and between pieces. No triangle joins what moves with what rests behind
+        // the wall, and triangles of two pieces only join their walls.
         isSeed.assign(rests.size(), 0);
-        std::vector<std::vector<Index>> moving(pieces.size()); // nodes
+        std::vector<std::vector<Index>> moving(pieces.size()); // nodes of each piece
         for (Index u = 0; u < Index(rests.size()); ++u) {
             if (!rests[u])
                 moving[PieceOf(u)].push_back(u);
@@ -262,22 +264,22 @@ class FieldSampler {
             area.clear();
             for (Index u : nodes)
                 area.push_back(surface.nodeArea[u]);
-            // What is held mostly moves by one map: as many as of its share of the surface.
+            // A handle's piece mostly moves by one map: it gets samples by its share of the area only.
             const double own = std::accumulate(area.begin(), area.end(), 0.0);
             const Index most =
                 p > regions && surface.area > 0 ? Index(param.moving * (own / surface.area)) + 1 : param.moving;
             for (Index k : RandomSample(area, std::min(param.moving, most), 1))
                 isSeed[std::size_t(nodes[k])] = 1;
         }
-        // Of those of all the surface, so that they are where they are whatever else moves.
+        // Chosen on all the surface, so that they do not depend on what moves.
         for (Index u : RandomSample(surface.nodeArea, param.resting, 1))
             isSeed[u] |= rests[u];
     }
 
-    /// Compares at the vertices, and counts.
+    /// Sets error, and the figures of \p result.
     void Compare(const DeformationField &field, SampledField &result, const Progress &progress);
 
-    /// Sets isNear. \param added nodes
+    /// Sets isNear. \param added nodes with new samples
     void FindNear(const std::vector<Index> &added);
 
     bool Rests(std::size_t i) const {
@@ -290,12 +292,12 @@ class FieldSampler {
     const std::vector<Eigen::Matrix3f> &linear;
     const FieldParam &param;
     std::vector<Piece> pieces;
-    std::vector<Index> pieceOf; ///< each node
-    std::vector<char> counts;   ///< flags of slots: that of a corner of a face, or of any point of a cloud
-    std::vector<Index> slotOf;  ///< each node
+    std::vector<Index> pieceOf; ///< of each node
+    std::vector<char> counts;   ///< flags of slots: corners of faces, or all points of a cloud
+    std::vector<Index> slotOf;  ///< of each node: its first slot
     std::vector<char> isSeed;   ///< flags of nodes
-    std::vector<float> error;   ///< of each slot, when it was compared last
-    std::vector<char> isNear;   ///< flags of slots: of patches that got a sample since, and beside them
+    std::vector<float> error;   ///< of each slot, as compared last
+    std::vector<char> isNear;   ///< flags of slots: in patches with new samples, or beside these
     Patches patches;
     std::vector<std::array<Index, 3>> dual; ///< of the patches
 };

@@ -33,7 +33,7 @@ std::vector<std::array<Index, 3>> detail::DualOf(const Patches &patches, const S
     std::vector<Corners> all = Together(found);
     unique(all);
 
-    // Of edges and points, those that are no part of anything wider.
+    // Keep edges and points only if they are in no triangle or edge.
     std::vector<std::array<Index, 2>> edges;
     std::vector<char> covered(std::size_t(patches.Size()), 0);
     for (const Corners &c : all) {
@@ -72,9 +72,9 @@ void detail::FieldSampler::Compare(const DeformationField &field, SampledField &
         for (std::size_t i = first; i < last; ++i)
             if (surface.nodeOf[i] >= 0 && isAsked(i)) {
                 NearestPlace::Hint hint = nearPatch[std::size_t(patches.patchOf[std::size_t(surface.nodeOf[i])])];
-                const Eigen::Vector3d p = rest.col(Eigen::Index(i)), way = field(p, nullptr, &hint);
-                error[i] = float((p + way - deformed.col(Eigen::Index(i))).norm());
-                if (Rests(i) && p + way != p)
+                const Eigen::Vector3d p = rest.col(Eigen::Index(i)), displacement = field(p, nullptr, &hint);
+                error[i] = float((p + displacement - deformed.col(Eigen::Index(i))).norm());
+                if (Rests(i) && p + displacement != p)
                     error[i] = std::max(error[i], std::numeric_limits<float>::min());
             }
     });
@@ -107,7 +107,7 @@ void detail::FieldSampler::FindNear(const std::vector<Index> &added) {
         if (changes[std::size_t(corners[0])] || changes[std::size_t(corners[1])] || changes[std::size_t(corners[2])])
             for (Index patch : corners)
                 isBeside[patch] = 1;
-    // Of a cloud, a point goes with the nearest samples: those of the patches around it, and around these.
+    // A point of a cloud moves with the nearest samples: of the patches around it, and around these.
     for (int ring = 0; face.empty() && ring < 2; ++ring) {
         const std::vector<char> inner = isBeside;
         for (Index u = 0; u < surface.graph.Size(); ++u)
@@ -156,7 +156,7 @@ Index Invert(std::vector<Eigen::Matrix3f> &linear) {
     Index folded = 0;
     for (Eigen::Matrix3f &each : linear) {
         const Eigen::Matrix3d map = each.cast<double>();
-        // What is flattened to a thousandth cannot be told from what is turned inside out.
+        // A map that flattens to a thousandth may as well be inside out.
         const bool isFolded = !(map.determinant() > 1e-3);
         folded += isFolded;
         each = isFolded ? Eigen::Matrix3f::Identity() : Eigen::Matrix3f(map.inverse().cast<float>());

@@ -14,11 +14,11 @@ namespace vcg::fcd {
 
 namespace {
 
-/// How many stretches of equal length a line is told by. What is between is interpolated by cubics: a circle of a
-/// hundredth of the length in radius is then met to a ten-thousandth of that.
-constexpr Eigen::Index stretches = 4096;
+/// Number of segments of equal length. Cubics interpolate between their ends: a circle with a radius of a hundredth of
+/// the length is met within a ten-thousandth of the radius.
+constexpr Eigen::Index segments = 4096;
 
-/// Points nearer to each other than this share of the length are at one place.
+/// Points nearer to each other than this share of the length coincide.
 constexpr double atOnePlace = 1e-9;
 
 void Check(const Eigen::Matrix3Xd &points) {
@@ -57,25 +57,25 @@ FramedLine::FramedLine(const Eigen::Matrix3Xd &points, double smoothing) {
     }
     for (Eigen::Index i = 1; i + 1 < n; ++i) {
         direction.col(i) = chord.col(i - 1) * distance[i] + chord.col(i) * distance[i - 1];
-        // Within a thousandth of a radian of going back the way it came.
+        // A turn by more than pi - 0.001.
         if (chord.col(i).dot(chord.col(i - 1)) < -1 + 5e-7)
             throw BadInput("The line turns back on itself at point " + std::to_string(i + 1) +
                            ". Give its points in the order in which it goes through them.");
         direction.col(i).normalize();
     }
-    // Ends as on a circle, too: the tangents at both ends of a chord mirror each other.
+    // Ends as on a circle, too: there, the tangents at both ends of a chord mirror each other.
     const auto mirrored = [](const Eigen::Vector3d &way, const Eigen::Vector3d &t) {
         return Eigen::Vector3d(2 * t.dot(way) * way - t);
     };
     direction.col(0) = n > 2 ? mirrored(chord.col(0), direction.col(1)) : Eigen::Vector3d(chord.col(0));
     direction.col(n - 1) = n > 2 ? mirrored(chord.col(n - 2), direction.col(n - 2)) : Eigen::Vector3d(chord.col(0));
 
-    const Eigen::Index pieces = std::max<Eigen::Index>(2, 4 * stretches / (n - 1));
+    const Eigen::Index pieces = std::max<Eigen::Index>(2, 4 * segments / (n - 1));
     Eigen::Matrix3Xd dense(3, pieces * (n - 1) + 1);
     dense.col(0) = points.col(0);
     for (Eigen::Index i = 0; i + 1 < n; ++i) {
         const Eigen::Vector3d a = points.col(i), b = points.col(i + 1), u = direction.col(i), v = direction.col(i + 1);
-        // The length of the derivative with which the cubic meets the circle in its middle.
+        // The length of the derivative for which the cubic meets the circle in its middle.
         const double turned = std::max(0.0, 0.5 * (u + v).dot(chord.col(i))), speed = 2 * distance[i] / (1 + turned);
         for (Eigen::Index k = 1; k <= pieces; ++k) {
             const double t = double(k) / double(pieces), r = 1 - t;
@@ -85,7 +85,7 @@ FramedLine::FramedLine(const Eigen::Matrix3Xd &points, double smoothing) {
     }
     Resample(dense);
     if (smoothing > 0)
-        Smooth(smoothing * double(stretches));
+        Smooth(smoothing * double(segments));
     FindFrames();
 }
 
@@ -94,10 +94,10 @@ void FramedLine::Resample(const Eigen::Matrix3Xd &dense) {
     for (Eigen::Index i = 1; i < dense.cols(); ++i)
         along.push_back(along.back() + (dense.col(i) - dense.col(i - 1)).stableNorm());
     length = along.back();
-    step = length / double(stretches);
-    point.resize(3, stretches + 1);
+    step = length / double(segments);
+    point.resize(3, segments + 1);
     std::size_t at = 0;
-    for (Eigen::Index i = 0; i <= stretches; ++i) {
+    for (Eigen::Index i = 0; i <= segments; ++i) {
         const double s = double(i) * step;
         while (at + 2 < along.size() && along[at + 1] < s)
             ++at;
@@ -106,8 +106,7 @@ void FramedLine::Resample(const Eigen::Matrix3Xd &dense) {
     }
 }
 
-/// By twice a Gaussian less the Gaussian of that: a bend that is wide against it keeps its radius. The ends stay.
-/// \param sigma in stretches
+/// Smooths by 2 G - G^2 with a Gaussian G: wide bends keep their radius. The ends stay. \param sigma in segments
 void FramedLine::Smooth(double sigma) {
     const auto reach = Eigen::Index(std::ceil(4 * sigma));
     std::vector<double> weight;
@@ -116,7 +115,7 @@ void FramedLine::Smooth(double sigma) {
         sum += weight.emplace_back(detail::Exponential(-0.5 * detail::Squared(double(k) / sigma)));
     const auto blurred = [&](const Eigen::Matrix3Xd &from) {
         const Eigen::Index last = from.cols() - 1;
-        // Beyond an end it is the line's own image in that point.
+        // Beyond an end, the line is reflected in that point.
         const auto at = [&](Eigen::Index i) -> Eigen::Vector3d {
             if (i < 0)
                 return 2 * from.col(0) - from.col(std::min(-i, last));
@@ -136,12 +135,12 @@ void FramedLine::Smooth(double sigma) {
     const Eigen::Matrix3Xd once = blurred(point), twice = blurred(once);
     Eigen::Matrix3Xd smooth = 2 * once - twice;
     smooth.col(0) = point.col(0);
-    smooth.col(stretches) = point.col(stretches);
+    smooth.col(segments) = point.col(segments);
     Resample(smooth);
 }
 
 void FramedLine::FindFrames() {
-    const Eigen::Index last = stretches;
+    const Eigen::Index last = segments;
     const auto slope = [&](const Eigen::Matrix3Xd &of, Eigen::Index i) -> Eigen::Vector3d {
         if (i == 0)
             return (4 * of.col(1) - 3 * of.col(0) - of.col(2)) / (2 * step);
@@ -170,17 +169,16 @@ void FramedLine::FindFrames() {
 
 namespace {
 
-/// What is at a place \p s of a line that is told at \p stretches + 1 places, \p step apart; beyond its ends it goes on
-/// straight.
+/// Interpolates a line at arc length \p s; beyond the ends it is straight.
 struct Place {
-    Eigen::Index i; ///< the stretch that it is in, or next to
-    double t, r;    ///< how far it is in it, and how far from its end, both of 1
+    Eigen::Index i; ///< its segment, or the nearest one
+    double t, r;    ///< position in the segment from its begin and from its end, [0, 1]
     Eigen::Vector3d point, along, bend;
 
     Place(double s, double length, double step, const Eigen::Matrix3Xd &points, const Eigen::Matrix3Xd &tangent,
           const Eigen::Matrix3Xd &bends) {
         const double within = std::clamp(s, 0.0, length);
-        i = std::min(Eigen::Index(within / step), stretches - 1);
+        i = std::min(Eigen::Index(within / step), segments - 1);
         t = within / step - double(i);
         r = 1 - t;
         const Eigen::Vector3d u = tangent.col(i), v = tangent.col(i + 1);
@@ -210,7 +208,7 @@ FramedLine::Frame FramedLine::At(double s) const {
 }
 
 Eigen::Vector3d FramedLine::Middle() const {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero(); // Eigen's mean adds up in an order that depends on the compiler
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero(); // Eigen's mean adds in an order that depends on the compiler
     for (Eigen::Index i = 0; i < point.cols(); ++i)
         sum += point.col(i);
     return sum / double(point.cols());
@@ -218,13 +216,13 @@ Eigen::Vector3d FramedLine::Middle() const {
 
 namespace {
 
-/// The first of the points that are nearest to \p p, of those from \p first to \p last. \param step what neighbours are
-/// apart at most
+/// The number of the point nearest to \p p, from \p first to \p last; the first of several. \param step largest
+/// distance of neighbours
 std::size_t NearestPoint(const Eigen::Matrix3Xd &point, const Eigen::Vector3d &p, std::size_t first, std::size_t last,
                          double step) {
-    // Between two points of the line that are so many steps apart, none is nearer than the mean of their distances less
-    // half of these steps: mostly, that leaves all but a few out.
-    constexpr std::size_t coarse = 16, most = std::size_t(stretches) / coarse + 2;
+    // Between two points so many steps apart, none is nearer than the mean of their distances minus half of these
+    // steps. Mostly, that leaves out all but a few.
+    constexpr std::size_t coarse = 16, most = std::size_t(segments) / coarse + 2;
     const auto square = [&](std::size_t i) { return (point.col(Eigen::Index(i)) - p).squaredNorm(); };
     std::array<double, most> distance;
     double bound = std::numeric_limits<double>::infinity();
@@ -252,13 +250,13 @@ std::size_t NearestPoint(const Eigen::Matrix3Xd &point, const Eigen::Vector3d &p
 } // namespace
 
 double FramedLine::Nearest(const Eigen::Vector3d &p, double from, double to) const {
-    const auto place = [&](double s) { return std::size_t(std::clamp(std::round(s / step), 0.0, double(stretches))); };
+    const auto place = [&](double s) { return std::size_t(std::clamp(std::round(s / step), 0.0, double(segments))); };
     const std::size_t best = NearestPoint(point, p, place(from), std::max(place(from), place(to)), step);
     constexpr double any = std::numeric_limits<double>::infinity();
     const double begin = double(best) * step, low = best == 0 ? -any : begin - step,
-                 high = best == std::size_t(stretches) ? any : begin + step;
+                 high = best == std::size_t(segments) ? any : begin + step;
     double s = begin;
-    for (int k = 0; k < 4; ++k) { // Newton's, from within a stretch
+    for (int k = 0; k < 4; ++k) { // Newton's method, from within a segment
         const Place its(s, length, step, point, tangent, bend);
         const Eigen::Vector3d off = p - its.point;
         s += off.dot(its.along) / std::max(0.1, 1 - its.bend.dot(off));

@@ -12,10 +12,10 @@ namespace vcg::fcd {
 
 namespace {
 
-/// A smoothing spline through points: of all curves g, that with the least sum |p_i - g(t_i)|^2 + alpha int |g''|^2.
+/// A smoothing spline: the curve g with the least sum |p_i - g(t_i)|^2 + alpha int |g''|^2.
 class SmoothingSpline {
   public:
-    /// \param t n >= 3 ascending places
+    /// \param places t, n >= 3, ascending
     SmoothingSpline(std::vector<double> places, const Eigen::Matrix3Xd &points)
         : t(std::move(places)), given(points), bend(points.cols() - 2, 3) {
         for (Eigen::Index i = 0; i + 2 < given.cols(); ++i) { // second differences
@@ -25,12 +25,12 @@ class SmoothingSpline {
         }
     }
 
-    /// \return the score of generalised cross-validation: the mean square by which each point is missed by the spline
-    /// of all others
+    /// \return the score of generalised cross-validation, an estimate of the mean square distance of each point from
+    /// the spline of all others
     double Solve(double alpha) {
         const Eigen::Index m = bend.rows();
-        // B = R + alpha Q^T Q by its diagonals; L D L^T of it; then bands of its inverse (M. Hutchinson, F. de Hoog,
-        // Smoothing noisy data with spline functions, 1985).
+        // The diagonals of B = R + alpha Q^T Q, its factors L D L^T, then the bands of its inverse (M. Hutchinson, F.
+        // de Hoog, Smoothing noisy data with spline functions, 1985).
         Eigen::ArrayXd square(m), square1(m), square2(m), d(m), l1(m), l2(m);
         for (Eigen::Index i = 0; i < m; ++i) {
             square[i] = At(i, 0) * At(i, 0) + At(i, 1) * At(i, 1) + At(i, 2) * At(i, 2);
@@ -59,7 +59,7 @@ class SmoothingSpline {
         }
         freedom = 0;
         Eigen::Array3d own = Eigen::Array3d::Zero(), next = own;
-        // own: of the inverse, on the diagonal at i + 1 and i + 2; next[0]: beside it, at (i + 1, i + 2)
+        // The inverse: own[0], own[1] on the diagonal at i + 1 and i + 2, next[0] at (i + 1, i + 2)
         for (Eigen::Index i = m; i-- > 0;) {
             gamma.row(i) /= d[i];
             if (i + 1 < m)
@@ -80,18 +80,18 @@ class SmoothingSpline {
         double squares = 0;
         for (Eigen::Index i = 0; i < given.cols(); ++i)
             squares += off.col(i).squaredNorm();
-        // A freedom counts 1.4 times, or one set of points in some takes its jitter for bends (Y. Kim, C. Gu, Smoothing
-        // spline Gaussian regression, 2004).
+        // A degree of freedom counts 1.4 times. Otherwise, jitter is now and then taken for bends (Y. Kim, C. Gu,
+        // Smoothing spline Gaussian regression, 2004).
         const double n = double(given.cols()), left = n - 1.4 * (n - freedom);
         return left > 0 ? n * squares / (left * left) : std::numeric_limits<double>::infinity();
     }
 
-    Eigen::Matrix3Xd off; ///< the points, less the spline
-    double freedom = 0;   ///< of the points, that the spline leaves to chance: the trace of I - A
+    Eigen::Matrix3Xd off; ///< points minus spline
+    double freedom = 0;   ///< degrees of freedom of the residuals: the trace of I - A
 
   private:
     double Gap(Eigen::Index i) const { return t[std::size_t(i) + 1] - t[std::size_t(i)]; }
-    /// Of the second difference at point i + 1, the share of point i + k.
+    /// The coefficient of point i + k in the second difference at point i + 1.
     double At(Eigen::Index i, int k) const {
         return k == 0 ? 1 / Gap(i) : k == 2 ? 1 / Gap(i + 1) : -1 / Gap(i) - 1 / Gap(i + 1);
     }
@@ -108,9 +108,9 @@ std::vector<double> LengthsAlong(const Eigen::Matrix3Xd &points) {
     return along;
 }
 
-/// The jitter of points across a smooth line, root mean square a direction. Each is predicted by the cubic through the
-/// two before and the two after it. By how much it is off goes on from point to point where the line bends, and changes
-/// sign where points jitter: these products are negative, and those are not counted.
+/// The jitter of points across a smooth line, rms in one direction. Each point is predicted by the cubic through the
+/// two before and the two after it. Errors of successive points have the same sign where the line bends, and opposite
+/// signs where points jitter. So their products measure jitter, and a positive sum counts as none.
 double JitterOf(const std::vector<double> &along, const Eigen::Matrix3Xd &points) {
     double sum = 0, expected = 0;
     std::array<double, 5> before{};
@@ -142,25 +142,25 @@ double JitterOf(const std::vector<double> &along, const Eigen::Matrix3Xd &points
 } // namespace
 
 SteadyPoints WithoutJitter(const Eigen::Matrix3Xd &points, double thickness) {
-    constexpr Eigen::Index fewest = 8; // below, hardly anything tells jitter from bends
+    constexpr Eigen::Index fewest = 8; // fewer points hardly tell jitter from bends
     SteadyPoints steady{points, 0};
     if (points.cols() < fewest)
         return steady;
-    // Jitter makes the line longer, and places along it farther apart; once it is out, these are told better.
+    // Jitter makes the line longer. Without it, arc lengths are more exact: hence several rounds.
     for (int round = 0; round < 3; ++round) {
         const std::vector<double> along = LengthsAlong(steady.point);
         const double gap = along.back() / double(points.cols() - 1);
         for (std::size_t i = 1; i < along.size(); ++i)
             if (!(along[i] > along[i - 1]))
                 return steady;
-        // Second differences of what jitters have a variance of 1 + 4 + 1 times its own.
+        // Second differences of jitter have 1 + 4 + 1 times its variance.
         if (const double jitter = JitterOf(along, points);
             round == 0 && !(std::sqrt(6.0) * jitter / (gap * gap) * thickness > 0.01))
             return steady;
-        // What is w wide is kept to 1 / (1 + (2 pi s / w)^4). From where the neighbours of a point begin to count, to
-        // where half of what is nineteen times as wide as the body is thick goes.
+        // A wave of length w is kept to 1 / (1 + (2 pi s / w)^4). The least s just involves a point's neighbours. The
+        // most halves waves of 19 times the thickness.
         const double least = 0.3 * gap, most = 3 * thickness, step = 1.15;
-        if (most < gap) // each point is meant, where there are so few
+        if (most < gap) // so few points are all meant
             return steady;
         SmoothingSpline spline(along, points);
         const auto alpha = [&](double s) { return s * s * s * s / gap; };
@@ -174,11 +174,11 @@ SteadyPoints WithoutJitter(const Eigen::Matrix3Xd &points, double thickness) {
             s *= step;
         }
         spline.Solve(alpha(chosen));
-        // What the spline takes from bends is in what the points are off from it, smoothed alike.
+        // The residuals, smoothed alike, give bends back what the spline took from them.
         SmoothingSpline again(along, spline.off);
         again.Solve(alpha(chosen));
         steady.point = points - again.off;
-        double squares = 0; // of what is across
+        double squares = 0; // of the residuals across the line
         for (Eigen::Index i = 0; i < points.cols(); ++i) {
             const Eigen::Vector3d way = (steady.point.col(std::min(i + 1, points.cols() - 1)) -
                                          steady.point.col(std::max<Eigen::Index>(i - 1, 0)))

@@ -24,7 +24,7 @@ LineMotion::Moved LineMotion::At(double s, const Eigen::Vector3d &p) const {
     const double within = std::clamp(s, 0.0, whole);
     const bool isWithin = s == within;
     const FramedLine::Frame before = from.At(within), after = to.At(within * ratio);
-    const Eigen::Vector3d off = p - before.point; // with the way beyond the end, if it is there
+    const Eigen::Vector3d off = p - before.point; // may reach beyond the end
     Moved moved;
     const Twist its = twist ? twist(within) : Twist();
     const Eigen::Vector3d along = after.axes.col(0);
@@ -51,7 +51,7 @@ Eigen::Matrix3Xd ArcPoints(const Eigen::Vector3d &middle, const Eigen::Vector3d 
     Eigen::Matrix3Xd points(3, 2 * half + 1);
     for (Eigen::Index i = -half; i <= half; ++i) {
         const double part = 0.5 * double(i) / double(half), turned = part * angle, s = part * length;
-        // sin(x) / x and (1 - cos(x)) / x, which are as good for small x
+        // sin(x) / x and (1 - cos(x)) / x, exact for small x, too
         const double sine = std::abs(turned) > 1e-8 ? detail::Sine(turned) / turned : 1,
                      rise =
                          std::abs(turned) > 1e-8 ? detail::Squared(detail::Sine(turned / 2)) * 2 / turned : turned / 2;
@@ -60,7 +60,7 @@ Eigen::Matrix3Xd ArcPoints(const Eigen::Vector3d &middle, const Eigen::Vector3d 
     return points;
 }
 
-/// Not so long or short that its square is none.
+/// Scales a vector if its square would overflow or underflow.
 static Eigen::Vector3d Usable(const Eigen::Vector3d &direction) {
     const double size = direction.cwiseAbs().maxCoeff();
     return size > 0 && !(size > 1e-100 && size < 1e100) ? Eigen::Vector3d(direction / size) : direction;
@@ -72,12 +72,11 @@ FramedLine ArcInPlaceOf(const FramedLine &line, double length, const ArcParam &p
     if (!param.direction.allFinite() || !param.towards.allFinite())
         throw BadInput("The direction of the arc, and where it bends to, must be finite.");
     const FramedLine::Frame begin = line.At(0), middle = line.At(line.Length() / 2), end = line.At(line.Length());
-    // As long as a hair against the line: then it has no direction from end to end.
     Eigen::Vector3d direction = Usable(param.direction);
     const Eigen::Vector3d aim = Usable(param.towards);
     if (direction.isZero(0)) {
         direction = end.point - begin.point;
-        if (direction.norm() < 1e-3 * line.Length())
+        if (direction.norm() < 1e-3 * line.Length()) // nearly closed
             direction = middle.axes.col(0);
     }
     direction.normalize();

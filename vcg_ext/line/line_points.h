@@ -10,19 +10,19 @@
 #include <vector>
 
 /// \file
-/// Where the points of a line come from.
+/// Reads the points of a line.
 
 namespace vcg::fcd {
 
-/// The vertices of the one path that edges form, in its order; it begins at the end with the smaller number.
-/// \param edge pairs of vertices; an edge may be there twice, or the other way round \param name what messages call it
-/// \throw BadInput no edges, a branch, a ring, or several paths
+/// The vertices of the path that edges form, in order, from the end with the smaller number.
+/// \param edge pairs of vertices; may be repeated or reversed \param name of the line, for messages \throw BadInput no
+/// edges, a branch, a ring, or several paths
 std::vector<Index> PathOfEdges(std::vector<std::array<Index, 2>> edge, const std::string &name);
 
-/// Reads a list of points: a line for each with x, y and z. Between the numbers a comma, a semicolon or white space;
-/// comments from '#' to the end of the line, and a first line that does not begin like a number names the columns.
-/// \param name what messages call the text \return 3 x n
-/// \throw BadInput a line that is not of this kind, or none at all, with name and line
+/// Reads a list of points, a line with x, y and z for each. Numbers are separated by a comma, a semicolon or white
+/// space. Comments go from '#' to the end of the line. A first line that does not begin with a number is skipped: it
+/// names the columns. \param name of the text, for messages \return 3 x n \throw BadInput another line, or no points,
+/// with name and line
 Eigen::Matrix3Xd ReadLineText(const std::string &text, const std::string &name);
 
 } // namespace vcg::fcd

@@ -51,14 +51,14 @@ Eigen::Vector3d Carrier::operator()(std::size_t slot, const Eigen::Vector3d &p, 
 
 Eigen::Vector3d Carrier::Displacement(const SurfacePlace &place, const Eigen::Vector3d &p,
                                       Eigen::Matrix3f &linear) const {
-    Eigen::Vector3d way = Eigen::Vector3d::Zero();
+    Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
     Eigen::Matrix3f each;
     linear.setZero();
     for (int k = 0; k < place.count; ++k) {
-        way += place.weight[k] * ((*this)(std::size_t(place.slot[k]), p, each) - p);
+        displacement += place.weight[k] * ((*this)(std::size_t(place.slot[k]), p, each) - p);
         linear += float(place.weight[k]) * each;
     }
-    return way;
+    return displacement;
 }
 
 void Carrier::Apply(Eigen::Matrix3Xd &position, std::vector<Eigen::Matrix3f> *linear, const Progress &progress) const {
@@ -96,13 +96,13 @@ std::vector<Eigen::Matrix4d> Carrier::LooseMotions() const {
             continue;
         const MovingSurface::Place place = moving.At(i);
         Frame frame = place.region ? place.region->surface.frame : moving.frame;
-        if (!place.region) { // the leader is in no region
+        if (!place.region) {
             frame.origin = frame.ToWorld(moving.leaderRest[part]);
             frame.scale = 1;
         }
         Eigen::Matrix4d given = Eigen::Matrix4d::Identity();
         if (place.region &&
-            place.region->surface.tag[place.node] == 1) { // as the surface there turns, not the patch it is in
+            place.region->surface.tag[place.node] == 1) { // by the surface's motion there, not the patch's
             Eigen::Matrix3f linear;
             const Eigen::Vector3d at = (*mapped[place.number])(place.node, moving.leaderRest[part], &linear);
             given.topLeftCorner<3, 3>() = linear.cast<double>();
@@ -124,13 +124,13 @@ std::vector<Eigen::Matrix4d> Carrier::LooseMotions() const {
     return result;
 }
 
-/// Where a place of the surface leads is affine in what lies beside it: four points tell it.
+// A place's motion is affine in the point that it moves, so four points determine it.
 std::vector<Eigen::Affine3d> Carrier::PlaceMotions(unsigned threads) const {
     const std::vector<std::size_t> &place = moving.following.place;
     std::vector<Eigen::Affine3d> result(place.size(), Eigen::Affine3d::Identity());
     if (!pose.Moves())
         return result;
-    Eigen::Matrix3Xd corner(3, 4); // the place, and as far from it as the frame is wide
+    Eigen::Matrix3Xd corner(3, 4); // the place, and a frame unit from it along each axis
     corner << Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity();
     ParallelFor(threads, place.size(), 1 << 8, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
@@ -160,11 +160,11 @@ std::vector<Eigen::Affine3d> Carrier::PlaceMotions(unsigned threads) const {
 }
 
 Eigen::Vector3d Carrier::Followed(const LooseFollowing::Vertex &vertex, const Eigen::Vector3d &p) const {
-    Eigen::Vector3d way = Eigen::Vector3d::Zero();
+    Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
     for (int i = 0; i < LooseFollowing::several; ++i)
         if (vertex.weight[i] > 0)
-            way += double(vertex.weight[i]) * (placeMotion[std::size_t(vertex.place[i])] * p - p);
-    return way.isZero(0) ? p : p + way;
+            displacement += double(vertex.weight[i]) * (placeMotion[std::size_t(vertex.place[i])] * p - p);
+    return displacement.isZero(0) ? p : p + displacement;
 }
 
 } // namespace vcg::fcd

@@ -14,32 +14,31 @@
 
 namespace vcg::fcd {
 
-/// Where a pose takes the vertices of a surface, and points beside them. Refers to surface and pose.
+/// Maps the vertices of a surface by a pose, and points beside it. Surface and pose must outlive this.
 class Carrier {
   public:
-    /// \param threads that prepare it, 0 = one a core
+    /// \param threads for the preparation, 0 = one a core
     Carrier(const MovingSurface &surface, const SurfacePose &pose, unsigned threads = 0);
 
-    /// \param slot of a vertex \param p a point beside it, mesh units; it keeps its bits where the vertex does
-    /// \param linear how the surface turns and stretches there, mesh units
+    /// Moves a point as the surface moves at a vertex. \param slot of the vertex \param p mesh units; keeps its bits if
+    /// the vertex does \param linear out: the linear map of the surface there, mesh units
     Eigen::Vector3d operator()(std::size_t slot, const Eigen::Vector3d &p, Eigen::Matrix3f &linear) const;
 
-    /// The displacement of a point that is no vertex: it goes with its place on the surface, which NearestPlace finds
-    /// once for all poses.
-    /// \param place of vertex slots \param p mesh units \param linear how the surface turns and stretches there
-    /// \return mesh units; 0, to the bit, where nothing moves at the place
+    /// The displacement of a point that follows a place on the surface, which NearestPlace finds once for all poses.
+    /// \param place of vertex slots \param p mesh units \param linear out: the linear map of the surface there, mesh
+    /// units \return mesh units; exactly 0 if nothing moves at the place
     Eigen::Vector3d Displacement(const SurfacePlace &place, const Eigen::Vector3d &p, Eigen::Matrix3f &linear) const;
 
-    /// \param position 3 x vertex slots, mesh units; in: at rest, out: deformed. Held vertices are exact: what is fixed
-    ///        keeps its bits.
-    /// \param linear if given: how the surface turns and stretches around each vertex, mesh units, one per slot
+    /// Deforms all vertices. Held ones are exact, and fixed ones keep their bits. \param position 3 x vertex slots,
+    /// mesh units; in: at rest, out: deformed \param linear if not null, out: the linear map of the surface at each
+    /// vertex slot, mesh units
     void Apply(Eigen::Matrix3Xd &position, std::vector<Eigen::Matrix3f> *linear = nullptr,
                const Progress &progress = {}) const;
 
-    /// The same for any layout: rest(slot) gives the position at rest; taker() gives what takes, by a call with (slot,
-    /// position, map), the deformed ones and, where \p maps are wanted, how the surface turns and stretches there.
-    /// There is a taker for some slots each, called from several threads; it gets each slot that may move in some pose
-    /// once, and no other. ahead(slot) tells which slots come soon, for memory that is far away.
+    /// The same for any layout. Calls take(slot, position, linear map) once for each slot that may move in some pose.
+    /// The map is the identity unless \p maps. \param rest rest(slot): its rest position \param taker taker(): a take
+    /// for one range of slots; several threads call it at a time \param ahead ahead(slot): the slot is read soon, for a
+    /// prefetch
     template <class Rest, class Taker, class Ahead>
     void Apply(const Rest &rest, const Taker &taker, bool maps, const Progress &progress, const Ahead &ahead) const {
         ApplyBlocks(
@@ -53,8 +52,8 @@ class Carrier {
             });
     }
 
-    /// The same with normals, which turn with the surface and keep their lengths: normal(slot) gives that at rest, and
-    /// what takes is called with (slot, position, normal).
+    /// The same with normals: calls take(slot, position, normal). They turn with the surface and keep their lengths.
+    /// \param normal normal(slot): at rest
     template <class Rest, class Normal, class Taker, class Ahead>
     void ApplyWithNormals(const Rest &rest, const Normal &normal, const Taker &taker, const Progress &progress,
                           const Ahead &ahead) const {
@@ -75,11 +74,11 @@ class Carrier {
             });
     }
 
-    /// The motion of a vertex that is no node of the surface, mesh units.
+    /// The motion of a vertex in no region, mesh units.
     const Eigen::Matrix4d &MatrixAt(std::size_t slot) const;
 
   private:
-    /// Maps what may move: blocks of free vertices, for takeBlock(take, ...), and the others one by one, for takeOne.
+    /// Maps all slots that may move: free vertices in blocks, by takeBlock(take, ...), others one by one, by takeOne.
     template <class Rest, class Ahead, class Taker, class TakeBlock, class TakeOne>
     void ApplyBlocks(const Rest &rest, bool maps, const Progress &progress, const Ahead &ahead, const Taker &taker,
                      const TakeBlock &takeBlock, const TakeOne &takeOne) const {
@@ -136,22 +135,22 @@ class Carrier {
         progress(1, stage);
     }
 
-    /// Whether a patch of a region stays, to the bit.
+    /// Whether a patch of a region keeps its bits.
     bool Rests(std::size_t region, Index patch) const {
-        const RegionPose &its = pose.region[region]; // by other weights, any part has an influence
+        const RegionPose &its = pose.region[region]; // with Euclidean weights, other parts have influence
         return !its.Moves() || (moving.regions[region]->weights == MappingWeights::Surface && its.graph.rests[patch]);
     }
 
-    /// The motion of a held vertex, or of a free one at the place of one.
+    /// The motion of a held vertex, or of a free one at the same position as a held one, mesh units.
     const Eigen::Matrix4d &GivenAt(std::size_t slot) const;
 
-    /// The motion of each loose part, mesh units: the rigid one of its leader.
+    /// The motion of each loose part, mesh units: that of its leader, made rigid if the graph's maps are.
     std::vector<Eigen::Matrix4d> LooseMotions() const;
 
-    /// How each of LooseFollowing::place moves what lies beside it, mesh units.
+    /// The motion at each of LooseFollowing::place, mesh units.
     std::vector<Eigen::Affine3d> PlaceMotions(unsigned threads) const;
 
-    /// Where a vertex of a large loose part goes: the mean of where the places near it lead.
+    /// The position of a vertex of a large loose part: the weighted mean of the motions at places near it, mesh units.
     Eigen::Vector3d Followed(const LooseFollowing::Vertex &vertex, const Eigen::Vector3d &p) const;
 
     const MovingSurface &moving;

@@ -17,20 +17,20 @@
 
 namespace vcg::fcd {
 
-/// Where the blend of the nodes' motions runs over into the motions of held regions: the free nodes of the surface near
-/// them.
+/// Weights by which the blend of the graph's motions passes over into the motions of held regions, at the free nodes of
+/// the surface near these.
 class ConstraintBlend {
   public:
-    /// Regions that a node runs over into: the nearest ones. Where more are near, as where each vertex is a handle for
-    /// itself, their shares fall to 0 at the first one that is left out, so that they change continuously.
+    /// The most regions of a node: the nearest ones. If there are more, as where each vertex is a handle of its own,
+    /// shares fall to 0 at the distance of the first one left out, so that they change continuously.
     static constexpr std::size_t most = 8;
 
     /// A held region near a free node.
     struct Held {
-        Index index;          ///< in heldTag
-        float distance;       ///< to the region over the fade's width, (0, 1)
-        float share;          ///< of its motion, where the nodes' have 1; from 0 beyond all bounds towards the region
-        Eigen::Vector3f away; ///< from its border, at right angles, as far as that; 0 for small parts
+        Index index;    ///< in heldTag
+        float distance; ///< to the region's border over the width of the blend, (0, 1)
+        float share; ///< weight of its motion, where the graph's has 1; grows from 0 without bound towards the region
+        Eigen::Vector3f away; ///< from its border, at right angles to it, distance * fade long; 0 for small parts
     };
 
     /// \param tag tag of each surface node: 0 fixed, 1 free, else handle
@@ -55,8 +55,8 @@ class ConstraintBlend {
         float distance;
     };
 
-    /// From 1 at x = 0, where it is level, to 0 at x = 1 with two continuous derivatives. It leaves 1 soon: what it
-    /// multiplies grows with x, and this shape keeps the curvature of the product low.
+    /// Falls from 1 at x = 0, with derivative 0, to 0 at x = 1, with two continuous derivatives. It falls early: its
+    /// factor grows with x, and so the curvature of the product stays low.
     static double Falloff(double x) {
         const double level = 0.1, y = x * x * (1 + level) / (x + level), y2 = y * y;
         return 1 - y * (15 - y2 * (10 - 3 * y2)) / 8;
@@ -75,7 +75,7 @@ class ConstraintBlend {
         return border;
     }
 
-    /// For each free node the held regions within the fade's width along the surface, and how far they are.
+    /// Finds the held regions within the blend's width of each free node along the surface, and their distances.
     void FindHeldNearby(double fade, const Progress &progress) {
         const std::vector<Border> border = FindBorder(progress.Slice(0, 0.1));
         std::vector<std::size_t> first; // of each tag in border
@@ -86,8 +86,8 @@ class ConstraintBlend {
             }
         first.push_back(border.size());
         const std::size_t tags = heldTag.size();
-        // Each range has room for distances of its own, by node and region. Few regions are shared out, many are found
-        // at once, as only the nearest ones of all are kept.
+        // Each range has its own memory, by node and region. Few regions are divided into ranges. Many are one range,
+        // since only the nearest of all are kept.
         const std::size_t ranges = 16, grain = tags <= 4 * ranges ? tags / ranges + 1 : tags;
         std::vector<std::vector<BorderDistance>> found(tags / grain + 1);
         ParallelTasks(progress.Slice(0.1, 0.9), stage, (tags + grain - 1) / grain,
@@ -102,19 +102,18 @@ class ConstraintBlend {
         ListByNode(found, progress.Slice(0.9, 1));
     }
 
-    /// Finds the free nodes near held regions: the distance to the nearest border node of each region, handed on from
-    /// neighbour to neighbour.
+    /// Finds the free nodes near held regions: hands each region's nearest border node on from neighbour to neighbour.
     class HeldSpread {
       public:
-        /// \param room regions that are kept of each node, the nearest ones
+        /// \param room the most regions of a node; the nearest are kept
         HeldSpread(const ConstraintBlend &blend, double fade, std::size_t room)
             : surface(blend.surface), blend(blend), fade(fade), room(room),
               best(std::size_t(surface.Size()) * room, {std::numeric_limits<float>::infinity(), -1}), queue(classes) {}
 
-        /// From a border node of a region, before Go.
+        /// Begins at a border node of a region. Call before Go.
         void Begin(Index node, Index held) { Spread(node, node, held, 0); }
 
-        /// \return of each node the regions in their order
+        /// \return the regions of each node, ascending
         std::vector<BorderDistance> Go(const Progress &progress) {
             for (std::size_t c = 0; c < classes; ++c) {
                 for (std::size_t i = 0; i < queue[c].size(); ++i) {
@@ -145,8 +144,8 @@ class ConstraintBlend {
 
       private:
         struct Kept {
-            float distance; // over the width at the border node
-            Index held;     // -1: none yet; those behind are none, too
+            float distance; // over the blend's width at the border node
+            Index held;     // -1: this entry and later ones are unused
             bool operator<(const Kept &o) const {
                 return distance != o.distance ? distance < o.distance : held < o.held;
             }
@@ -155,9 +154,9 @@ class ConstraintBlend {
             float distance;
             Index node, source, held;
         };
-        static constexpr std::size_t classes = 256; // of distance; a nearer source may turn up within one
+        static constexpr std::size_t classes = 256; // of distance; within one, the order does not matter
 
-        /// Offers that follow each other are far apart in memory: begins to read what the next ones need.
+        /// Prefetches what the next offers need: they are far apart in memory.
         void LookAhead(const std::vector<Offered> &offers, std::size_t i) {
             if (i + 16 < offers.size()) {
                 Prefetch(&surface.adjacency.begin[offers[i + 16].node]);
@@ -192,7 +191,7 @@ class ConstraintBlend {
             }
         }
 
-        /// \return whether the region is nearer now, and one of those that are kept
+        /// \return whether the offer was kept: the region is nearer than before
         bool Keep(Index v, const Kept &offered) {
             Kept *const kept = KeptOf(v), *const end = KeptOf(v + 1), *to = kept;
             if (kept->held < 0)
@@ -232,7 +231,7 @@ class ConstraintBlend {
         held.reserve(std::min(all.back(), std::size_t(surface.Size()) * most));
         std::vector<float> distance;
         for (std::size_t u = 0; u + 1 < all.size(); ++u) {
-            float limit = 1; // there, shares are 0
+            float limit = 1; // the distance at which shares are 0
             if (all[u + 1] - all[u] > most) {
                 distance.clear();
                 for (std::size_t i = all[u]; i < all[u + 1]; ++i)
@@ -257,8 +256,8 @@ class ConstraintBlend {
         });
     }
 
-    /// The way from the border for each entry of held: straight into the free surface, as the held patches nearby see
-    /// it, blended so that it turns smoothly along the border.
+    /// Sets Held::away: the direction into the free surface, blended over the held patches nearby, so that it turns
+    /// smoothly along the border.
     void FindWaysAway(double fade, const Progress &progress) {
         const Index k = graph.Size();
         std::vector<Index> border;
@@ -277,7 +276,7 @@ class ConstraintBlend {
             return;
         const auto tree = TreeOf(graph.graph.position, border);
         const float reach = float(2 * fade);
-        std::vector<std::vector<Index>> nearby(k); // of each free patch, held ones that its vertices may see
+        std::vector<std::vector<Index>> nearby(k); // of each free patch: held patches in reach of its vertices
         const auto isBefore = [&](Index a, Index b) {
             return patches.tag[a] != patches.tag[b] ? patches.tag[a] < patches.tag[b] : a < b;
         };
@@ -291,7 +290,7 @@ class ConstraintBlend {
                 nearby[j].push_back(border[std::size_t(i)]);
             std::sort(nearby[j].begin(), nearby[j].end(), isBefore);
         }
-        // So many at a time that see the same patches, for vectors of numbers.
+        // Vertices with the same patches are computed lanes at a time, in vector registers.
         constexpr std::size_t lanes = 8;
         struct Seen {
             std::uint64_t view; // patch and tag

@@ -86,7 +86,7 @@ Index CountFlipped(const SurfaceView &mesh, const MovingSurface &moving, std::si
                 continue;
             Vector3d turned = Vector3d::Zero();
             const bool isInside = patch[0] >= 0 && patch[0] == patch[1] && patch[0] == patch[2];
-            for (int k = 0; k < (isInside ? 1 : 3); ++k) // three times the same would be the same way
+            for (int k = 0; k < (isInside ? 1 : 3); ++k) // one patch: one term has the same direction
                 if (patch[k] >= 0)
                     turned += turn[patch[k]] * normal;
             count += toWorld(posed(1) - posed(0)).cross(toWorld(posed(2) - posed(0))).dot(turned) < 0;

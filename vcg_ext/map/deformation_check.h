@@ -9,35 +9,37 @@
 
 namespace vcg::fcd {
 
-/// What in a deformation is probably not meant.
+/// Signs that a deformation is not as intended.
 struct DeformationCheck {
-    static constexpr double volumeIsSeen = 0.01; ///< a volumeOff from which on there is a warning
+    static constexpr double volumeIsSeen = 0.01; ///< least volumeOff with a warning
 
-    bool rigid = false;   ///< all that is held makes one and the same motion, so the surface moves rigidly
-    Index overruled = 0;  ///< handle vertices held as another one at their place: fixed, or of a smaller tag
-    Index strained = 0;   ///< edges between two held regions that get at least twice, or at most half, as long
-    double longest = 1;   ///< the largest ratio of the length of such an edge to that at rest
-    Index flipped = 0;    ///< triangles whose normals point to the other side
-    double volumeOff = 0; ///< of parts that should keep their volume: the largest change, as a share of it
+    bool rigid = false; ///< all held vertices make the same motion, so the surface moves as one
+    Index overruled =
+        0;              ///< handle vertices at the position of another held one, which wins: fixed, or of a smaller tag
+    Index strained = 0; ///< edges between two held regions that become at least twice or at most half as long
+    double longest = 1; ///< the largest ratio of such an edge's length to that at rest, >= 1
+    Index flipped = 0;  ///< triangles whose normals point to the other side
+    double volumeOff = 0; ///< largest change of a volume that should be kept, over that volume
 };
 
 namespace detail {
 
-/// Whether all held nodes of a region make the same motion, and one that moves them. \param tag n, 1 where free \param
-/// motion of each other tag; of 0 whether there is such a node or not
+/// Whether all held nodes of a region make the same motion, and not the identity. \param tag n, 1 for free nodes
+/// \param motion of each other tag, always with 0
 bool MovesAsOne(const std::vector<Index> &tag, const std::map<Index, Eigen::Matrix4d> &motion);
 
-/// \param tag one per vertex slot
+/// As DeformationCheck::overruled. \param tag one per vertex slot
 Index CountOverruled(const MovingSurface &surface, const std::vector<int> &tag);
 
-/// Checks edges between two held regions: no free vertex lies between their ends, so the edge alone bears the
-/// difference of the motions. \param apart ends of the edges, slots \param position 3 x slots, deformed, mesh units
+/// Sets strained and longest, of edges between two held regions. \param apart the slots of their ends \param position 3
+/// x slots, deformed, mesh units
 void CheckEdgesBetweenHeld(const SurfaceView &mesh, const Frame &frame,
                            const std::vector<std::array<std::uint32_t, 2>> &apart, const PositionsRef &position,
                            DeformationCheck &check);
 
-/// Counts flipped triangles: the normal points away from where the patches of the corners turn it. Needles do not
-/// count; their normals are noise. \param r number of the region whose triangles they are \param linear of its patches
+/// Counts triangles whose normal points away from the rest normal, turned as the patches of the corners turn. Needles
+/// do not count: their normals are noise. \param r number of the region \param linear of its patches \param position 3
+/// x slots, deformed, mesh units
 Index CountFlipped(const SurfaceView &mesh, const MovingSurface &moving, std::size_t r,
                    const std::vector<Eigen::Matrix3d> &linear, const PositionsRef &position, const Progress &progress);
 

@@ -35,7 +35,7 @@ GraphMapping::GraphMapping(const Graph &surface, const std::vector<Index> &tag, 
 
 GraphMapping::~GraphMapping() = default;
 
-/// add(j, weight) for each node j that has a weight by Eq. 8 to the letter.
+/// Calls add(j, weight) for each node j with a weight by Eq. 8 as printed.
 template <class Add>
 void GraphMapping::ForPrintedWeights(Index node, const Add &add) const {
     const Index patch = patches.patchOf[node];
@@ -59,7 +59,7 @@ void GraphMapping::InfluencesAt(Index node, Influences &influences) const {
         thread_local Posed::Scratch scratch;
         PutCandidates(patch, scratch);
         detail::Blending &b = scratch.blending;
-        std::vector<float> &none = scratch.strainTerm; // the weights alone are wanted
+        std::vector<float> &none = scratch.strainTerm; // zeros: only the weights are read
         none.assign(b.n * detail::terms, 0);
         b.term = reinterpret_cast<const float(*)[detail::terms]>(none.data());
         for (int l = 0; l < detail::lanes; ++l)
@@ -70,7 +70,7 @@ void GraphMapping::InfluencesAt(Index node, Influences &influences) const {
             if (b.weight[a][0] > 0)
                 influences.nodes.emplace_back(b.ball[b.active[a]].node, b.weight[a][0]);
     }
-    if (influences.nodes.empty()) // its own node has all
+    if (influences.nodes.empty()) // its patch's node has all weight
         influences.nodes.emplace_back(patch, 1.f);
     double sum = 0, total = 1;
     for (const auto &each : influences.nodes)
@@ -130,7 +130,7 @@ void GraphMapping::Posed::Map(const Index *node, int count, bool linear, Scratch
     }
 }
 
-/// Eqs. 7 and 8. Where they leave no weight, as at the farthest vertex of a patch, its own node has all.
+/// Eqs. 7 and 8. If no node has a weight, as at the farthest vertex of a patch, its patch's node has all.
 void GraphMapping::Posed::MapAsPrinted(Index node, int lane, bool linear, detail::Vertices &vertices) const {
     const Eigen::Vector3d rest = vertices.Rest(lane);
     Eigen::Vector3d shift = Eigen::Vector3d::Zero();
@@ -151,7 +151,7 @@ void GraphMapping::Posed::MapAsPrinted(Index node, int lane, bool linear, detail
         vertices.SetLinear(lane, (Eigen::Matrix3d::Identity() + turn / total).cast<float>());
 }
 
-/// All but the terms.
+/// Sets the candidates of a patch, but not the terms.
 void GraphMapping::PutCandidates(Index patch, Posed::Scratch &scratch) const {
     using Scratch = Posed::Scratch;
     const MappingCandidates &all = *candidates;
@@ -169,7 +169,7 @@ void GraphMapping::PutCandidates(Index patch, Posed::Scratch &scratch) const {
     b.shareActive = Scratch::AtLeast(scratch.shareActive, b.m);
 }
 
-/// How the nodes stretch the surface, weighed as they were.
+/// Sums the nodes' strains by the weights of the blend.
 void GraphMapping::Posed::SumStrain(Scratch &scratch) const {
     const detail::Blending &b = scratch.blending;
     auto *strainOf =
@@ -179,7 +179,7 @@ void GraphMapping::Posed::SumStrain(Scratch &scratch) const {
     detail::SumTerms(b, strainOf, scratch.strain);
 }
 
-/// Blends the motion of a vertex with those of the held regions nearby. \pre SumStrain
+/// Blends the motion of a vertex with those of the held regions nearby. \pre SumStrain was called
 void GraphMapping::Posed::RunIntoHeld(Index node, int lane, bool linear, Scratch &scratch) const {
     detail::Vertices &vertices = scratch.vertices;
     const float blended = scratch.blending.sum[15][lane], inverse = blended > 0 ? 1 / blended : 0;
@@ -192,16 +192,16 @@ void GraphMapping::Posed::RunIntoHeld(Index node, int lane, bool linear, Scratch
     for (std::size_t h = mapping.constraintBlend->begin[node]; h < mapping.constraintBlend->begin[node + 1]; ++h)
         total += mapping.constraintBlend->held[h].share;
     Eigen::Vector3d moved = vertices.Moved(lane) / total;
-    Eigen::Matrix3d map = Eigen::Matrix3d::Zero(); // without maps, there is none to read
+    Eigen::Matrix3d map = Eigen::Matrix3d::Zero();
     if (linear)
         map = vertices.Linear(lane).cast<double>() / total;
     for (std::size_t h = mapping.constraintBlend->begin[node]; h < mapping.constraintBlend->begin[node + 1]; ++h) {
-        // What is held does not stretch, but beside it the surface may: as it does there, away from the border.
+        // A held region does not stretch, but the surface beside it may: strain times the vector from the border.
         const ConstraintBlend::Held &held = mapping.constraintBlend->held[h];
         const Eigen::Affine3d &its = *heldMotion[held.index];
         const double share = held.share / total;
         Eigen::Vector3f more = strain * held.away;
-        if (!unstretched.empty()) // what is held stretches, too: only what the surface does beyond that counts
+        if (!unstretched.empty()) // the held region stretches, too: only the strain beyond its own counts
             more = unstretched[std::size_t(held.index)] * (more + held.away) - held.away;
         moved += share * (its * (rest + fromFrame * more.cast<double>()));
         map += share * its.linear();
@@ -248,7 +248,7 @@ void GraphMapping::Posed::SetOwn(Index j, const GraphPose &pose, const Frame &fr
     nodeStrain[j] = (stretch - Eigen::Matrix3d::Identity()).cast<float>();
 }
 
-/// Of the candidates of a patch.
+/// Sets the terms of a patch's candidates.
 void GraphMapping::Posed::SetTerms(Index patch, const GraphPose &pose) {
     const Csr &nodes = mapping.candidates->nodes;
     for (std::uint32_t c = nodes.begin[patch]; c < nodes.begin[patch + 1]; ++c) {

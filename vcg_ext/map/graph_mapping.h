@@ -21,24 +21,23 @@ namespace vcg::fcd {
 class MappingCandidates;
 class ConstraintBlend;
 
-/// Carries the motion of the deformation graph's nodes over to the nodes of the surface (paper, sec. 2.3, Eqs. 7 and
-/// 8).
+/// Maps the motion of the deformation graph's nodes to the nodes of the surface (paper, sec. 2.3, Eqs. 7 and 8).
 ///
-/// p' = sum_j w_j(p) ((R_j + R(p)) / 2 (p - c_j) + c'_j), weights normalised to sum one, w_j falling smoothly to zero
-/// at `influence` times the radius of j's patch, and R(p) = sum_j w_j(p) R_j. (The paper has R_j alone, which is of
-/// first order from node to vertex and leaves ripples of patch size where the surface bends; the mean of the two ends
-/// is of second order, as the trapezoidal rule is.) Near a held region, the blend runs over into that region's own
-/// motion, with continuous tangents at its border, so that held nodes are exact and no crease is left there. Small held
-/// parts may lie in patches of free nodes.
+/// p' = sum_j w_j(p) ((R_j + R(p)) / 2 (p - c_j) + c'_j), with R(p) = sum_j w_j(p) R_j. The weights w_j sum to 1; they
+/// fall smoothly to 0 at `influence` times the radius of j's patch. (The paper has R_j instead of the mean with R(p).
+/// That is of first order from node to vertex, and leaves ripples of patch size where the surface bends. The mean is of
+/// second order, like the trapezoidal rule.) Near a held region, this is blended into the region's own motion, with
+/// continuous tangents at the border: held nodes are exact, without a crease. Small held parts may lie in patches of
+/// free nodes.
 ///
-/// As printed, it is p' = sum_j w_j(p) (R_j (p - c_j) + c'_j), w_j = (1 - |p - c_j| / d_j)^2 inside the patch's radius
-/// d_j by the straight distance, and nothing runs over.
+/// As printed, p' = sum_j w_j(p) (R_j (p - c_j) + c'_j), w_j = (1 - |p - c_j| / d_j)^2 within the radius d_j of j's
+/// patch, by straight distance, without a blend into held regions.
 class GraphMapping {
   public:
     /// \param tag tag of each surface node: 0 fixed, 1 free, else handle
-    /// \param influence node radius over patch radius, > 1
-    /// \param fade greatest width of the run-over into held regions along the surface, units of the positions
-    /// \param beyond without smoothMapping by Eqs. 7 and 8 to the letter; influence and fade are not read then
+    /// \param influence node radius over patch radius, > 1 \param fade greatest width of the blend into held regions
+    /// along the surface, units of the positions \param beyond without smoothMapping: as printed, and influence and
+    /// fade are not read
     GraphMapping(const Graph &surface, const std::vector<Index> &tag, const Patches &patches,
                  const DeformationGraph &graph, MappingWeights weights, double influence, double fade,
                  const Progress &progress = {}, const ShapeConstants &shape = {},
@@ -47,16 +46,16 @@ class GraphMapping {
     GraphMapping(const GraphMapping &) = delete;
     GraphMapping &operator=(const GraphMapping &) = delete;
 
-    /// What a free node of the surface follows.
+    /// What moves a free node of the surface.
     struct Influences {
-        std::vector<std::pair<Index, float>> nodes; ///< of the graph, and their weights
-        std::vector<std::pair<Index, float>> held;  ///< tags whose motion it runs over into, and their weights
+        std::vector<std::pair<Index, float>> nodes; ///< nodes of the graph, with weights
+        std::vector<std::pair<Index, float>> held;  ///< tags of held regions, with weights
     };
 
     /// \param influences out: all weights are > 0 and their sum is 1
     void InfluencesAt(Index node, Influences &influences) const;
 
-    /// The mapping of one pose: from a place on the surface, and the position of a vertex there, to where that goes.
+    /// The mapping of one pose.
     class Posed {
       public:
         /// Vertices that are mapped, and memory that many calls of Map use again.
@@ -78,15 +77,16 @@ class GraphMapping {
             }
         };
 
-        /// \param node of the surface \param p mesh units
-        /// \param linear if given: how the surface around the vertex turns and stretches
+        /// \param node of the surface
+        /// \param p position of a vertex there, mesh units \param linear if not null, out: the linear map of the
+        /// surface there, mesh units \return its position in the pose, mesh units
         Eigen::Vector3d operator()(Index node, const Eigen::Vector3d &p, Eigen::Matrix3f *linear = nullptr) const;
 
-        /// Maps \p count vertices, detail::lanes at most, at free nodes of one patch: those of \p scratch.
-        /// \param linear whether to give their linear maps, too
+        /// Maps the first \p count vertices of \p scratch, detail::lanes at most, at free nodes of one patch.
+        /// \param node of each vertex \param linear whether to set their linear maps, too
         void Map(const Index *node, int count, bool linear, Scratch &scratch) const;
 
-        /// As of At.
+        /// Parameters as of At.
         Posed(const GraphMapping &mapping, const GraphPose &pose, const std::map<Index, Eigen::Affine3d> &inFrame,
               const Frame &frame, unsigned threads);
         Posed(const Posed &) = delete;
@@ -104,19 +104,19 @@ class GraphMapping {
 
         const GraphMapping &mapping;
         std::map<Index, Eigen::Affine3d> motion;         // of each held tag, mesh units
-        std::vector<const Eigen::Affine3d *> heldMotion; // of each of constraintBlend.heldTag
-        std::vector<Eigen::Matrix3f> unstretched; // of each: what takes back how it stretches; empty: not asked for
-        std::vector<detail::PatchMotion> own;     // of each node
-        std::vector<Eigen::Matrix3f> nodeStrain;  // stretch minus identity
-        /// Of each candidate, about the patch's centre: columns of the 3 x 4 affine map by which it moves otherwise
-        /// than the patch's node, the way to it, 1; in the frame.
+        std::vector<const Eigen::Affine3d *> heldMotion; // of each of constraintBlend->heldTag
+        std::vector<Eigen::Matrix3f> unstretched; // of each: inverse of its stretch; empty unless the pose is affine
+        std::vector<detail::PatchMotion> own;     // of each node of the graph
+        std::vector<Eigen::Matrix3f> nodeStrain;  // of each: stretch minus identity
+        /// detail::terms numbers of each candidate, frame units: the columns of the 3 x 4 affine map by which its
+        /// motion differs from that of the patch's node, about the patch's centre; the vector from that centre to its
+        /// own; 1.
         std::vector<float> term;
         detail::Space space;
     };
 
-    /// \param motion of each held tag, 0 included, in the frame
-    /// \param frame of the surface; by default all is in the frame \param threads 0 = one a core
-    /// The mapping must outlive the result.
+    /// The mapping of a pose; this must outlive it. \param motion of each held tag, with 0, frame units \param frame of
+    /// the surface; the default: mesh units are frame units \param threads 0 = one a core
     Posed At(const GraphPose &pose, const std::map<Index, Eigen::Affine3d> &motion, const Frame &frame = {},
              unsigned threads = 0) const {
         return Posed(*this, pose, motion, frame, threads);

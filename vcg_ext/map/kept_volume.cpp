@@ -13,35 +13,35 @@ namespace {
 
 using Face = KeptVolume::Face;
 
-/// Places of a patch: as many as are mapped at a time.
+/// The most places of a patch: as many vertices as are mapped at a time.
 constexpr std::size_t mostPlaces = detail::lanes;
 
-/// Caps over loops with free nodes, over the area of the faces. Of a tube as long as it is wide, one of whose ends is
-/// open, they are a quarter; of a hemisphere a half, of a sheet all.
+/// Largest area of the caps over loops with free nodes, over the area of the faces. It is a quarter for a tube as long
+/// as wide with one open end, a half for a hemisphere, and all for a sheet.
 constexpr double mostOpen = 0.25;
 
-/// The least volume that is one, over that of a cube of the same area: of a plate, a thousandth of its width for its
-/// thickness. The two sides of a sheet enclose only rounding.
+/// The least volume that is kept, over that of a cube of the same area. A plate has it if it is about a thousandth as
+/// thick as wide. The two sides of a sheet enclose only rounding errors.
 constexpr double leastVolume = 1e-3;
 
-/// How far off a volume may stay, as a fraction of it: a thousandth is not seen.
+/// Tolerance of a volume, as a share of it: nobody sees a thousandth.
 constexpr double volumeError = 1e-3;
 constexpr int mostSteps = 3;
 
-/// How far a surface may go outwards and inwards, over its volume by its area: that is half the radius of a limb.
+/// The largest move outwards and inwards, over volume / area, which is half the radius of a limb.
 constexpr double mostOut = 2, mostIn = 1;
 
-/// How often strain, which differs from patch to patch, is evened out over neighbours, and then the way of each node.
-constexpr int evenedStrain = 8, evenedWay = 2;
+/// Smoothing passes over neighbours: of strain, which differs from patch to patch, then of each node's direction.
+constexpr int evenedStrain = 8, evenedDirection = 2;
 
 Eigen::Vector3d AreaOf(const Eigen::Vector3d &a, const Eigen::Vector3d &b, const Eigen::Vector3d &c) {
     return 0.5 * (b - a).cross(c - a);
 }
 
-/// The edges that bound faces, the other way round than the faces have them, each as often.
+/// The boundary edges of faces, reversed, as caps without a middle; repeated as often as faces have them unpaired.
 std::vector<Face> BoundOf(const std::vector<Face> &faces) {
     struct Edge {
-        Index from, to, way; // from < to; way -1 where the face has it from `to`
+        Index from, to, sign; // from < to; sign: -1 if the face has it from `to` to `from`
         bool operator<(const Edge &o) const { return from != o.from ? from < o.from : to < o.to; }
     };
     std::vector<Edge> edges;
@@ -55,7 +55,7 @@ std::vector<Face> BoundOf(const std::vector<Face> &faces) {
     for (std::size_t first = 0, next; first < edges.size(); first = next) {
         Index net = 0;
         for (next = first; next < edges.size() && !(edges[first] < edges[next]); ++next)
-            net += edges[next].way;
+            net += edges[next].sign;
         const Face cap =
             net > 0 ? Face{edges[first].to, edges[first].from, -1} : Face{edges[first].from, edges[first].to, -1};
         bound.insert(bound.end(), std::size_t(std::abs(net)), cap);
@@ -63,11 +63,11 @@ std::vector<Face> BoundOf(const std::vector<Face> &faces) {
     return bound;
 }
 
-/// The volume within faces and caps.
-/// \param at 3 x places \param change if given: 3 x places, what the volume grows by as each moves is added
+/// The volume within faces and caps. \param at 3 x places \param change if not null: 3 x places; the gradient of the
+/// volume is added
 double VolumeOf(const std::vector<Face> &faces, const std::vector<std::vector<Face>> &caps, const Eigen::Matrix3Xd &at,
                 Eigen::Matrix3Xd *change = nullptr) {
-    const Eigen::Vector3d middle = at.col(faces.front()[0]); // near it, for less rounding
+    const Eigen::Vector3d middle = at.col(faces.front()[0]); // an origin near the part, for less rounding
     const auto from = [&](Index p) { return Eigen::Vector3d(at.col(p) - middle); };
     double six = 0;
     for (const Face &f : faces) {
@@ -105,7 +105,7 @@ KeptVolume::KeptVolume(const std::vector<Face> &faces, const Graph &surface, con
     }
     const std::vector<Index> placeOf = FindPlaces(surface, tag, patches);
     const auto isFree = [&](Index p) { return place[std::size_t(p)].tag == 1; };
-    std::vector<Face> all; // of places
+    std::vector<Face> all; // numbers of places
     DisjointSets joined(Index(place.size()));
     for (std::size_t p = 1; p < place.size(); ++p)
         if (isFree(Index(p)) && isFree(Index(p - 1)) && place[p].patch == place[p - 1].patch)
@@ -132,7 +132,7 @@ KeptVolume::KeptVolume(const std::vector<Face> &faces, const Graph &surface, con
     for (auto &[first, body] : found) {
         const bool isClosed = Close(body);
         body.rest = body.face.empty() ? 0 : VolumeOf(body.face, body.caps, rest);
-        const double side = std::sqrt(body.area / 6); // of the cube
+        const double side = std::sqrt(body.area / 6); // of a cube of this area
         if (!isClosed || !(std::abs(body.rest) > leastVolume * side * side * side)) {
             ++open;
             continue;
@@ -161,7 +161,7 @@ std::vector<Index> KeptVolume::FindPlaces(const Graph &surface, const std::vecto
                 placeOf[std::size_t(its[i])] = Index(place.size());
             place.push_back({u, Index(j), tag[std::size_t(u)], surface.position.col(u).cast<double>()});
         };
-        // Those of a small held part in the patch stand for themselves.
+        // Each node of a small held part in the patch is a place of its own.
         const auto others = std::stable_partition(its.begin(), its.end(),
                                                   [&](Index u) { return tag[std::size_t(u)] == patches.tag[j]; });
         const auto own = std::size_t(others - its.begin());
@@ -180,10 +180,10 @@ bool KeptVolume::Close(Body &body) const {
     for (const Face &f : body.face)
         body.area += AreaOf(at(f[0]), at(f[1]), at(f[2])).norm();
     const std::vector<Face> bound = BoundOf(body.face);
-    std::map<Index, Index> number; // of the places on it
+    std::map<Index, Index> number; // of the places on the boundary
     for (const Face &f : bound)
         number.emplace(f[0], Index(number.size()));
-    DisjointSets loops(Index(number.size())); // each edge's end is another's begin
+    DisjointSets loops(Index(number.size())); // each edge begins where another ends
     for (const Face &f : bound)
         loops.Join(number.at(f[0]), number.at(f[1]));
     std::map<Index, std::vector<Face>> ofLoop;
@@ -223,7 +223,7 @@ void KeptVolume::Map(const GraphMapping::Posed &mapped, Eigen::Matrix3Xd &at) co
     }
 }
 
-/// The columns, each half way to the mean of its neighbours in its part, so often.
+/// Moves each column half-way to the mean of its neighbours in the same part, \p times times.
 Eigen::MatrixXd KeptVolume::Evened(const DeformationGraph &graph, Eigen::MatrixXd column, int times) const {
     for (; times > 0; --times) {
         const Eigen::MatrixXd before = column;
@@ -246,9 +246,9 @@ Eigen::MatrixXd KeptVolume::Evened(const DeformationGraph &graph, Eigen::MatrixX
 Eigen::Matrix3Xd KeptVolume::Bulge(const DeformationGraph &graph, const PartsDeformer &parts, const GraphPose &pose,
                                    const Eigen::Matrix3Xd &push) const {
     const Index k = graph.Size();
-    // As an even pressure moves a plate: it begins smoothly at what is held.
+    // Even pressure on a plate: the move begins smoothly at held nodes.
     Eigen::VectorXd pressure = Eigen::VectorXd::Zero(k);
-    // Of a node's edges, by how much they are longer or shorter than at rest, root mean square.
+    // The rms change of length of a node's edges, over their rms length.
     Eigen::MatrixXd strain = Eigen::MatrixXd::Zero(1, k);
     Eigen::Matrix3Xd out = Eigen::Matrix3Xd::Zero(3, k);
     for (Index j = 0; j < k; ++j) {
@@ -269,32 +269,32 @@ Eigen::Matrix3Xd KeptVolume::Bulge(const DeformationGraph &graph, const PartsDef
         strain(0, j) = all > 0 ? std::sqrt(off / all) : 0;
     }
     strain = Evened(graph, strain, evenedStrain);
-    // Along a free limb a plate would go ever farther: what is strained says what is far.
+    // A plate would move without bound along a free limb: the mean move of strained nodes is the limit.
     const Eigen::RowVectorXd plate = parts.Spread(pressure).cwiseMax(0).transpose();
     const double far = plate.dot(strain.row(0)) / std::max(strain.sum(), 1e-300);
     const Eigen::RowVectorXd much = strain.row(0).array() * plate.array() / (plate.array() + std::max(far, 1e-300));
-    return Evened(graph, out * much.asDiagonal(), evenedWay);
+    return Evened(graph, out * much.asDiagonal(), evenedDirection);
 }
 
 double KeptVolume::Keep(const DeformationGraph &graph, const PartsDeformer &parts, const GraphMapping &mapping,
                         const std::map<Index, Eigen::Affine3d> &motion, const std::function<void(GraphPose &)> &fit,
                         GraphPose &pose) const {
     struct Growth {
-        double step = 0, volume = 0;           // the last: how far along the way, and the volume there
-        double best = 0, off = 0;              // the step that leaves least, and what it leaves
-        double slope = 0, least = 0, most = 0; // of the volume by the step; how far it may go
+        double step = 0, volume = 0;           // last step along the direction; volume at the best step
+        double best = 0, off = 0;              // the step with the smallest error of the volume, and that error
+        double slope = 0, least = 0, most = 0; // of the volume by the step; limits of the step
     };
     if (bodies.empty())
         return 0;
     std::vector<Growth> growth(bodies.size());
-    Eigen::Matrix3Xd at(3, Eigen::Index(place.size())), change = Eigen::Matrix3Xd::Zero(3, at.cols()), way;
+    Eigen::Matrix3Xd at(3, Eigen::Index(place.size())), change = Eigen::Matrix3Xd::Zero(3, at.cols()), direction;
     const Eigen::Matrix3Xd before = pose.position;
     const auto go = [&](double Growth::*step) {
-        for (Eigen::Index j = 0; j < way.cols(); ++j)
+        for (Eigen::Index j = 0; j < direction.cols(); ++j)
             if (const Index b = bodyOf[std::size_t(j)]; b >= 0)
-                pose.position.col(j) = before.col(j) + growth[std::size_t(b)].*step * way.col(j);
+                pose.position.col(j) = before.col(j) + growth[std::size_t(b)].*step * direction.col(j);
     };
-    double off = 0; // what is left, the largest share of a volume
+    double off = 0; // largest error of a volume, over the volume
     for (int step = 0; step <= mostSteps; ++step) {
         GraphPose fitted = pose;
         fit(fitted);
@@ -320,12 +320,12 @@ double KeptVolume::Keep(const DeformationGraph &graph, const PartsDeformer &part
             for (std::size_t p = 0; p < place.size(); ++p)
                 if (place[p].tag == 1)
                     push.col(place[p].patch) += change.col(Eigen::Index(p));
-            way = Bulge(graph, parts, pose, push);
+            direction = Bulge(graph, parts, pose, push);
             std::vector<double> farthest(bodies.size(), 0);
-            for (Eigen::Index j = 0; j < way.cols(); ++j)
+            for (Eigen::Index j = 0; j < direction.cols(); ++j)
                 if (const Index b = bodyOf[std::size_t(j)]; b >= 0) {
-                    growth[std::size_t(b)].slope += push.col(j).dot(way.col(j));
-                    farthest[std::size_t(b)] = std::max(farthest[std::size_t(b)], way.col(j).norm());
+                    growth[std::size_t(b)].slope += push.col(j).dot(direction.col(j));
+                    farthest[std::size_t(b)] = std::max(farthest[std::size_t(b)], direction.col(j).norm());
                 }
             for (std::size_t b = 0; b < bodies.size(); ++b) {
                 const double unit = bodies[b].rest / bodies[b].area / std::max(farthest[b], 1e-300); // < 0: inside out
@@ -341,7 +341,7 @@ double KeptVolume::Keep(const DeformationGraph &graph, const PartsDeformer &part
         }
         go(&Growth::step);
     }
-    if (way.size() > 0)
+    if (direction.size() > 0)
         go(&Growth::best);
     return off;
 }

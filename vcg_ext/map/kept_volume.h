@@ -15,12 +15,12 @@
 
 namespace vcg::fcd {
 
-/// Keeps the volume that each connected part of a free surface encloses: that of its faces with a free node, and of a
-/// cap over each loop that bounds these, a fan from the middle of the loop. A cap over a held loop moves rigidly with
-/// what holds it, so one motion of all changes no volume.
+/// Keeps the volume that each connected part of a free surface encloses. The part is its faces with a free node, closed
+/// by a cap over each boundary loop: a fan from the loop's middle. A cap over a held loop moves rigidly with it, so one
+/// motion of all changes no volume.
 ///
-/// It is measured on some nodes of each patch, each of which stands for those around it: a face is one of what its
-/// corners stand for. What is closed is closed by these, too.
+/// The volume is measured on some nodes of each patch (places). Each stands for the nodes around it. Faces between
+/// these are faces between places, and a closed surface stays closed.
 class KeptVolume {
   public:
     using Face = std::array<Index, 3>;
@@ -29,17 +29,16 @@ class KeptVolume {
     KeptVolume(const std::vector<Face> &faces, const Graph &surface, const std::vector<Index> &tag,
                const Patches &patches);
 
-    /// How many parts enclose no volume: what has no faces, and where caps over loops with free nodes are more than a
-    /// quarter of the area, as over an open sheet.
+    /// Number of parts that enclose no volume: those without faces, and those where caps over loops with free nodes
+    /// have more than a quarter of the area, as over an open sheet.
     Index Open() const { return open; }
 
-    /// Moves the free nodes of \p pose along the surface's normal until each part's volume is that at rest, within a
-    /// thousandth: out of what is strained, as an even pressure moves a plate there, so that it fades towards what is
-    /// held, and what goes along unstrained is as it was. Where that is too far, or does not help, it goes as far as it
-    /// helps.
-    /// \param parts of the graph \param mapping of the surface \param motion of each held tag, in the frame
-    /// \param fit makes of a pose what is mapped \param pose with rotations \return the share of its volume that a
-    /// part is off in the end, the largest
+    /// Moves the free nodes of \p pose along the surface's normals until each part has its volume at rest, within a
+    /// thousandth. Strained nodes move most, unstrained ones stay, and the move fades towards held ones, like that of a
+    /// plate under even pressure. It stops at limits, and after three steps keeps the best one.
+    /// \param parts of the graph \param mapping of the surface \param motion of each held tag, frame units \param fit
+    /// turns a pose into the one that is mapped \param pose in, out; with rotations \return the largest error of a
+    /// part's volume that is left, over that volume
     double Keep(const DeformationGraph &graph, const PartsDeformer &parts, const GraphMapping &mapping,
                 const std::map<Index, Eigen::Affine3d> &motion, const std::function<void(GraphPose &)> &fit,
                 GraphPose &pose) const;
@@ -51,17 +50,18 @@ class KeptVolume {
     };
     /// A connected part.
     struct Body {
-        std::vector<Face> face;              // of places
+        std::vector<Face> face;              // numbers of places
         std::vector<std::vector<Face>> caps; // of each loop: two places, and -1 for its middle
-        double area = 0, rest = 0;           // of the faces; its volume
+        double area = 0, rest = 0;           // of the faces; volume at rest, < 0: inside out
     };
 
-    /// Chooses places. \return that of each node, -1 for none
+    /// Chooses places. \return the place of each node, -1 for none
     std::vector<Index> FindPlaces(const Graph &surface, const std::vector<Index> &tag, const Patches &patches);
-    /// Caps a body. \return whether it encloses a volume then
+    /// Caps a body. \return whether it is closed enough for a volume
     bool Close(Body &body) const;
     Eigen::MatrixXd Evened(const DeformationGraph &graph, Eigen::MatrixXd column, int times) const;
-    /// Which way nodes go for more volume; up to its size. \param push 3 x k, by what each node moves the volume
+    /// The direction in which nodes move for more volume, 3 x k, of any scale. \param push 3 x k, gradient of the
+    /// volume
     Eigen::Matrix3Xd Bulge(const DeformationGraph &graph, const PartsDeformer &parts, const GraphPose &pose,
                            const Eigen::Matrix3Xd &push) const;
     /// \param at 3 x places, deformed

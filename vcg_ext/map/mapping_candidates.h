@@ -18,7 +18,7 @@
 
 namespace vcg::fcd {
 
-/// The nodes that may influence each free patch, and the balls in which their weights fall to zero.
+/// The nodes that may influence each free patch, and the balls in which their weights fall to 0.
 class MappingCandidates {
   public:
     /// \param influence node radius over patch radius, > 1
@@ -28,13 +28,13 @@ class MappingCandidates {
         const Index k = graph.Size();
         reach.resize(k);
         for (Index j = 0; j < k; ++j) {
-            // A patch of few nodes still has to overlap its neighbours.
+            // A patch of few nodes must overlap its neighbours, too.
             double spacing = 0;
             for (Index i : graph.graph.adjacency[j])
                 spacing += (graph.graph.position.col(i) - graph.graph.position.col(j)).norm();
             if (graph.graph.adjacency[j].size())
                 spacing /= double(graph.graph.adjacency[j].size());
-            const double radius = std::max({double(graph.radius[j]), 0.5 * spacing, 1e-6}); // a lone node has neither
+            const double radius = std::max({double(graph.radius[j]), 0.5 * spacing, 1e-6}); // 1e-6: a lone node
             reach[j] = float(influence * radius);
         }
         FindCandidates(weights, influence, progress);
@@ -42,11 +42,11 @@ class MappingCandidates {
 
     Csr nodes;                          ///< of each patch
     std::vector<detail::Ball> ball;     ///< of each candidate
-    std::vector<std::uint32_t> partial; ///< of each patch, the first of its candidates that keep a share only
+    std::vector<std::uint32_t> partial; ///< of each patch, the first of its candidates with a share below 1
     std::vector<std::vector<detail::Ball>>
-        nearby;                           ///< of each patch, the small balls that carry the shares to its vertices
+        nearby; ///< of each patch, the small balls by which shares are blended at its vertices
     std::vector<std::size_t> sharesBegin; ///< k + 1 offsets into shares
-    std::vector<float> shares;            ///< of each partial candidate: at each ball nearby
+    std::vector<float> shares;            ///< of each partial candidate at each ball of nearby
 
   private:
     detail::Ball BallOf(Index j, float radius) const {
@@ -57,25 +57,25 @@ class MappingCandidates {
     struct Candidate {
         Index patch, node;
         bool partial;      ///< some share is less than 1
-        std::size_t share; ///< if so: the first of those from the balls near the patch
+        std::size_t share; ///< if so, the first of its shares, one for each ball near the patch
     };
 
-    /// The share of its weight that a node keeps: all half-way round a cylinder, nothing across a fold. \param way
-    /// length of the path over the surface \param straight straight distance \param radius all three in the same units
-    float Share(double way, double straight, double radius) const {
-        const double detour = way / std::max(straight, shape.nearby * radius);
+    /// The share of its weight that a node has at a detour: 1 half-way round a cylinder, 0 across a fold. \param way
+    /// length of the path over the surface \param straight straight distance \param radius of the node's patch; all in
+    /// the same units
+    float Share(double path, double straight, double radius) const {
+        const double detour = path / std::max(straight, shape.nearby * radius);
         const double x = std::min(1.0, std::max(0.0, (detour - shape.detour) / (shape.longDetour - shape.detour)));
         return float(1 - x * x * (3 - 2 * x));
     }
 
-    /// Whether the ball of radius \p reach about node j touches the patch. A ball without extent touches none.
+    /// Whether the ball of radius \p reach about node j touches the patch. A ball of radius 0 touches none.
     bool Touches(Index j, float reach, Index patch) const {
         const Eigen::Matrix3Xf &x = graph.graph.position;
         return reach > 0 && (x.col(j) - x.col(patch)).norm() < reach + graph.radius[patch];
     }
 
-    /// The nodes that may influence each free patch. A ball that touches very many patches is made smaller, so that
-    /// memory is enough for any graph.
+    /// Sets all members. A ball that touches very many patches is made smaller, to bound the memory for any graph.
     void FindCandidates(MappingWeights weights, double influence, const Progress &progress) {
         const Index k = graph.Size();
         const std::size_t most = std::max<std::size_t>(64, (1 << 22) / std::size_t(std::max(k, 1))); // patches a ball
@@ -135,14 +135,14 @@ class MappingCandidates {
         }
     }
 
-    /// The patches that chains of touching free patches join to a node, each of them touched by the node's ball, and
-    /// how long the way there is from centre to centre (Dijkstra).
+    /// The patches that a node reaches over neighbouring patches, all free (or of the node's tag) and touched by its
+    /// ball, and the lengths of the shortest paths from centre to centre (Dijkstra).
     class Chains {
       public:
-        explicit Chains(const MappingCandidates &mapping) : mapping(mapping), way(mapping.graph.Size(), unreached) {}
+        explicit Chains(const MappingCandidates &mapping) : mapping(mapping), cost(mapping.graph.Size(), unreached) {}
 
-        /// Of node j; \p reach is halved until there are at most \p most, none but j's with more than \p most
-        /// neighbours, and is 0 where no ball is small enough.
+        /// Finds the patches of node j. \p reach is halved until there are at most \p most of them, none but j's with
+        /// more than \p most neighbours; 0 if no ball is small enough.
         void Find(Index j, float &reach, std::size_t most) {
             if (FindInside(j, reach, most))
                 return;
@@ -151,24 +151,24 @@ class MappingCandidates {
         }
 
         const std::vector<Index> &Patches() const { return patch; }
-        /// Infinite where no chain leads.
-        float Way(Index there) const { return way[there]; }
+        /// Length of the path; infinite if there is none.
+        float PathTo(Index there) const { return cost[there]; }
 
       private:
         using Step = std::pair<float, Index>;
 
-        /// \return whether there are no more than \p most
+        /// \return false if there are more than \p most, or a hub
         bool FindInside(Index j, float reach, std::size_t most) {
             const Eigen::Matrix3Xf &x = mapping.graph.graph.position;
             Start(j);
             while (!heap.empty()) {
                 const Step step = Nearest();
-                if (step.first > way[step.second])
+                if (step.first > cost[step.second])
                     continue;
                 if (IsHub(step.second, j, most))
                     return false;
                 for (Index next : mapping.graph.graph.adjacency[step.second])
-                    if (IsOpen(next, j) && (way[next] < unreached || mapping.Touches(j, reach, next))) {
+                    if (IsOpen(next, j) && (cost[next] < unreached || mapping.Touches(j, reach, next))) {
                         Offer(next, step.first + (x.col(step.second) - x.col(next)).norm());
                         if (patch.size() > most)
                             return false;
@@ -177,18 +177,18 @@ class MappingCandidates {
             return true;
         }
 
-        /// The largest half, quarter ... of \p reach that is small enough for Find; \p reach is not. The patches are
-        /// visited in the order in which a growing ball takes them in, which bounds their number.
+        /// The largest half, quarter ... of \p reach that is small enough for Find; \p reach is not. Visits patches in
+        /// the order in which a growing ball takes them in, which bounds their number.
         float LargestReach(Index j, float reach, std::size_t most) {
             Start(j);
             for (std::size_t inside = 0; !heap.empty();) {
                 const Step step = Nearest();
-                if (step.first > way[step.second])
+                if (step.first > cost[step.second])
                     continue;
                 if (++inside > most || IsHub(step.second, j, most))
                     return Half(step.first);
                 for (Index next : mapping.graph.graph.adjacency[step.second])
-                    if (step.first < way[next] && IsOpen(next, j) && mapping.Touches(j, reach, next)) {
+                    if (step.first < cost[next] && IsOpen(next, j) && mapping.Touches(j, reach, next)) {
                         float least = reach;
                         while (mapping.Touches(j, Half(least), next))
                             least = Half(least);
@@ -200,28 +200,28 @@ class MappingCandidates {
 
         static float Half(float reach) { return reach > 1e-6f ? 0.5f * reach : 0; }
 
-        /// Whether chains of node j may hold the patch.
+        /// Whether chains of node j may pass through the patch.
         bool IsOpen(Index there, Index j) const {
             return mapping.patches.tag[there] == 1 || mapping.patches.tag[there] == mapping.patches.tag[j];
         }
-        /// The middle of a star, whose neighbours would be looked through once for each of them.
+        /// Whether the patch has very many neighbours, like the middle of a star: all would be visited from each.
         bool IsHub(Index there, Index j, std::size_t most) const {
             return there != j && mapping.graph.graph.adjacency[there].size() > most;
         }
 
         void Start(Index j) {
             for (Index there : patch)
-                way[there] = unreached;
+                cost[there] = unreached;
             patch.clear();
             heap.clear();
             Offer(j, 0);
         }
         void Offer(Index there, float length) {
-            if (length >= way[there])
+            if (length >= cost[there])
                 return;
-            if (way[there] == unreached)
+            if (cost[there] == unreached)
                 patch.push_back(there);
-            way[there] = length;
+            cost[there] = length;
             heap.emplace_back(length, there);
             std::push_heap(heap.begin(), heap.end(), std::greater<Step>());
         }
@@ -235,13 +235,13 @@ class MappingCandidates {
         static constexpr float unreached = std::numeric_limits<float>::infinity();
         const MappingCandidates &mapping;
         std::vector<Index> patch;
-        std::vector<float> way; ///< the length of the path; in LargestReach, the least reach that contains it
+        std::vector<float> cost; ///< length of the path; in LargestReach, the least reach with the patch
         std::vector<Step> heap;
     };
 
-    /// Two neighbouring vertices inside a node's ball have patches that are both on a chain, or neither is. So the set
-    /// of nodes changes only where their weight is zero. The share of the weight is computed at the patches. A blend
-    /// with small balls carries it to the vertices, along the surface down to the size of a patch.
+    /// If two neighbouring vertices lie in a node's ball, their patches are both on a chain, or neither is. So the set
+    /// of nodes changes only where weights are 0. Shares are computed at the patches' centres. At the vertices, they
+    /// are blended by small balls, along the surface down to the size of a patch.
     void FindAlongSurface(std::size_t most, double influence, const Progress &progress, std::vector<Candidate> &found,
                           std::vector<float> &share) {
         const Index k = graph.Size();
@@ -264,7 +264,7 @@ class MappingCandidates {
             for (const auto &each : part)
                 nearby[each.first].push_back(each.second);
         for (std::vector<detail::Ball> &balls : nearby)
-            if (balls.size() > mostNearby) // the middle of a star: all that is connected counts there
+            if (balls.size() > mostNearby) // the middle of a star: candidates have no shares there
                 balls.clear();
 
         struct Part {
@@ -284,11 +284,11 @@ class MappingCandidates {
                         float least = 1, greatest = 0;
                         const std::size_t begin = part.share.size();
                         for (const detail::Ball &near : nearby[patch]) {
-                            const float way = chains.Way(near.node);
-                            // Where the ball of j ends, so does its weight: patches beyond do not matter.
-                            const bool all = near.node == j || (std::isinf(way) && !Touches(j, reach[j], near.node));
+                            const float path = chains.PathTo(near.node);
+                            // Outside of the ball of j, its weight is 0: shares there do not matter.
+                            const bool all = near.node == j || (std::isinf(path) && !Touches(j, reach[j], near.node));
                             part.share.push_back(
-                                all ? 1 : Share(way, (x.col(j) - x.col(near.node)).norm(), reach[j] / influence));
+                                all ? 1 : Share(path, (x.col(j) - x.col(near.node)).norm(), reach[j] / influence));
                             least = std::min(least, part.share.back());
                             greatest = std::max(greatest, part.share.back());
                         }
@@ -300,7 +300,7 @@ class MappingCandidates {
                 }
                 parts[first / grain] = std::move(part);
             });
-        std::size_t before = 0; // the shares of the parts before
+        std::size_t before = 0; // number of shares of earlier parts
         for (Part &part : parts) {
             for (Candidate &c : part.found)
                 c.share += before;
@@ -310,12 +310,11 @@ class MappingCandidates {
         share = Together(parts, &Part::share);
     }
 
-    /// Makes the ball of each node so small that it holds at most \p most other nodes.
+    /// Limits the ball of each node to at most \p most other nodes.
     void LimitReach(std::size_t most) {
         const PointTree<float> tree(graph.graph.position);
         for (Index j = 0; j < graph.Size(); ++j)
-            for (std::size_t wanted :
-                 {std::size_t(64), most}) { // 64 neighbours are enough to see that most nodes need no limit
+            for (std::size_t wanted : {std::size_t(64), most}) { // 64 tell of most nodes that they need no limit
                 const float d = tree.DistanceOf(graph.graph.position.col(j), wanted + 1);
                 if (d >= reach[j])
                     break;

@@ -11,57 +11,58 @@ namespace vcg::fcd {
 
 namespace detail {
 
-constexpr int lanes = 16; ///< vertices at a time
-constexpr int terms = 16; ///< numbers that are blended
+constexpr int lanes = 16; ///< vertices that are mapped at a time
+constexpr int terms = 16; ///< numbers of a candidate that are blended
 
-/// Weight of a node: u^3 at u = 1 - (distance / radius)^2. Like Eq. 8 of the paper it falls from 1 at the node to 0 at
-/// its reach, but without the cone's tip that (1 - r)^2 has at the node and the jump in curvature at its end: both show
-/// as ripples.
+/// Weight of a node: u^3 with u = 1 - (distance / radius)^2. Like Eq. 8 of the paper, it falls from 1 at the node to 0
+/// at the radius. But (1 - r)^2 has a cone's tip at the node and a jump of curvature at its end, and both show as
+/// ripples.
 struct Ball {
     float center[3];
     float inverse; ///< 1 / radius^2
     int node;      ///< at the centre
 };
 
-/// A linear combination for each of some vertices: of terms of candidates, by weights that fall with the distance.
+/// Linear combinations of the candidates' terms, one for each vertex, by weights that fall with the distance. Frame
+/// units.
 struct Blending {
-    const Ball *ball;           ///< n, of the candidates
+    const Ball *ball;           ///< n, of the candidates' weights
     const float (*term)[terms]; ///< n
     std::size_t n;              ///< candidates
-    std::size_t whole;          ///< the first so many keep all of their weight, the others a share, ...
-    const Ball *shareBall;      ///< m: ... which is known at their centres
-    const float *share;         ///< (n - whole) x m
+    std::size_t whole;          ///< the first so many have their whole weight, others a share of it,
+    const Ball *shareBall;      ///< m: blended by these balls
+    const float *share;         ///< (n - whole) x m: shares at the balls' centres
     std::size_t m;
     alignas(64) float x[3][lanes]; ///< the vertices
-    /// Rows for n, out: the weights of candidates active[0], ... active[used - 1], ascending. Those that are left out
-    /// weigh nothing at any of the vertices.
+    /// Room for n rows, out: the weights of candidates active[0] ... active[used - 1], ascending. All others have
+    /// weight 0 at each of the vertices.
     float (*weight)[lanes];
     std::uint32_t *active;
     std::size_t used;
     float (*shareWeight)[lanes];         ///< m, scratch
     std::uint32_t *shareActive;          ///< m, scratch
-    alignas(64) float sum[terms][lanes]; ///< out: the terms times the weights
+    alignas(64) float sum[terms][lanes]; ///< out: sums of terms times weights
 };
 
-/// How a patch's node moves: x by shift + turn (x - center).
+/// The motion of a patch's node: displaces x by shift + turn (x - center).
 struct PatchMotion {
     double center[3], shift[3], turn[9]; ///< mesh units; columns of the linear map minus the identity
 };
 
-/// From mesh units to those of the blended terms, the frame's, and back.
+/// From mesh to frame units, which the blended terms have, and back. All matrices by columns.
 struct Space {
-    double toFrame[9], fromFrame[9];    ///< of ways; columns
-    bool isSame;                        ///< directions are the same in both, ...
-    double metric[9], inverseMetric[9]; ///< ... or turned and stretched so
+    double toFrame[9], fromFrame[9];    ///< of vectors
+    bool isSame;                        ///< the metric is the identity
+    double metric[9], inverseMetric[9]; ///< as of Frame
 };
 
-/// Some vertices of one patch that are mapped together.
+/// Vertices of one patch that are mapped together, mesh units.
 struct Vertices {
-    alignas(64) double rest[3][lanes];  ///< mesh units
+    alignas(64) double rest[3][lanes];  ///< in
     alignas(64) double moved[3][lanes]; ///< out
-    alignas(64) float linear[9][lanes]; ///< out: how the surface turns and stretches around each; columns
+    alignas(64) float linear[9][lanes]; ///< out: linear map of the surface at each; columns
     alignas(64) float normal[3][lanes]; ///< in: at rest; out: turned
-    float turns[lanes];                 ///< out: 0 where the normal keeps its bits
+    float turns[lanes];                 ///< out: 0 if the normal keeps its bits
 
     Eigen::Vector3d Rest(int l) const { return {rest[0][l], rest[1][l], rest[2][l]}; }
     Eigen::Vector3d Moved(int l) const { return {moved[0][l], moved[1][l], moved[2][l]}; }
@@ -88,12 +89,12 @@ struct Vertices {
         for (int d = 0; d < 9; ++d)
             linear[d][l] = map.data()[d];
     }
-    /// Lets lanes from \p count on be like the first.
+    /// Sets lanes from \p count on to the first.
     void Fill(int count) {
         for (int l = count; l < lanes; ++l)
             SetRest(l, Rest(0));
     }
-    /// Lets all stay where they are.
+    /// Maps each by the identity.
     void Stay() {
         std::memcpy(moved, rest, sizeof moved);
         for (int d = 0; d < 9; ++d)
@@ -102,17 +103,16 @@ struct Vertices {
     }
 };
 
-/// Weighs the candidates at each vertex, and sums up their terms.
+/// Sets weight and sum.
 void Blend(Blending &b);
 
-/// Sums up other terms of the same candidates by the same weights. \param sum terms x lanes
+/// Sums other terms of the same candidates by the weights of Blend. \param sum out: terms x lanes
 void SumTerms(const Blending &b, const float (*term)[terms], float (*sum)[lanes]);
 
-/// Moves vertices as the blend of their patch's candidates does.
-/// \param linear whether to give their linear maps, too
+/// Moves vertices by the blend of their patch's candidates. \param linear whether to set their linear maps, too
 void Carry(const Blending &b, const PatchMotion &own, const Space &space, bool linear, Vertices &v);
 
-/// Turns their normals with the surface; each keeps its length.
+/// Turns the normals by the linear maps; each keeps its length.
 void TurnNormals(Vertices &v);
 
 } // namespace detail

@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Part of mapping_kernel.h, which includes it for each kind of processor.
 
-constexpr int each = sizeof(Numbers) / sizeof(float);
+constexpr int perRegister = sizeof(Numbers) / sizeof(float);
 
 FCD_TARGET inline bool IsZero(const Numbers &v) {
-    std::uint32_t bits[each], any = 0;
+    std::uint32_t bits[perRegister], any = 0;
     std::memcpy(bits, &v, sizeof v);
     for (std::uint32_t b : bits)
         any |= b;
     return any == 0;
 }
 
-/// Weights of balls [first, end) that reach any of the vertices, from row \p used on. \return rows used then
+/// Appends the weights of balls [first, end) that reach any of the vertices, from row \p used on. \return rows used
 FCD_TARGET inline std::size_t WeighBalls(const float (*x)[lanes], const Ball *ball, std::size_t first, std::size_t end,
                                          float (*weight)[lanes], std::uint32_t *active, std::size_t used) {
-    constexpr std::size_t groups = lanes / each;
+    constexpr std::size_t groups = lanes / perRegister;
     Numbers at[groups][3];
     for (std::size_t g = 0; g < groups; ++g)
         for (int d = 0; d < 3; ++d)
-            std::memcpy(&at[g][d], &x[d][g * each], sizeof(Numbers));
+            std::memcpy(&at[g][d], &x[d][g * perRegister], sizeof(Numbers));
     for (std::size_t c = first; c < end; ++c) {
         Numbers sum = {};
         for (std::size_t g = 0; g < groups; ++g) {
@@ -31,7 +31,7 @@ FCD_TARGET inline std::size_t WeighBalls(const float (*x)[lanes], const Ball *ba
             u = u > 0 ? u : Numbers{};
             u = u * u * u;
             sum += u;
-            std::memcpy(&weight[used][g * each], &u, sizeof(Numbers));
+            std::memcpy(&weight[used][g * perRegister], &u, sizeof(Numbers));
         }
         active[used] = std::uint32_t(c);
         used += !IsZero(sum);
@@ -41,14 +41,14 @@ FCD_TARGET inline std::size_t WeighBalls(const float (*x)[lanes], const Ball *ba
 
 FCD_TARGET inline void SumTerms(const float (*weight)[lanes], const std::uint32_t *active, std::size_t used,
                                 const float (*term)[terms], float (*sum)[lanes]) {
-    static_assert(lanes % (2 * each) == 0, "pairs of groups");
+    static_assert(lanes % (2 * perRegister) == 0, "pairs of groups");
     for (int first = 0; first < terms; first += 4) // as many as there are registers for
-        for (int g = 0; g < lanes; g += 2 * each) {
+        for (int g = 0; g < lanes; g += 2 * perRegister) {
             Numbers s0 = {}, s1 = {}, s2 = {}, s3 = {}, t0 = {}, t1 = {}, t2 = {}, t3 = {}, v, w;
             for (std::size_t a = 0; a < used; ++a) {
                 const float *factor = term[active[a]] + first;
                 std::memcpy(&v, weight[a] + g, sizeof(Numbers));
-                std::memcpy(&w, weight[a] + g + each, sizeof(Numbers));
+                std::memcpy(&w, weight[a] + g + perRegister, sizeof(Numbers));
                 s0 += factor[0] * v;
                 t0 += factor[0] * w;
                 s1 += factor[1] * v;
@@ -61,7 +61,7 @@ FCD_TARGET inline void SumTerms(const float (*weight)[lanes], const std::uint32_
             const Numbers one[4] = {s0, s1, s2, s3}, other[4] = {t0, t1, t2, t3};
             for (int t = 0; t < 4; ++t) {
                 std::memcpy(sum[first + t] + g, &one[t], sizeof(Numbers));
-                std::memcpy(sum[first + t] + g + each, &other[t], sizeof(Numbers));
+                std::memcpy(sum[first + t] + g + perRegister, &other[t], sizeof(Numbers));
             }
         }
 }
@@ -71,7 +71,7 @@ FCD_TARGET inline void Blend(Blending &b) {
     b.used = WeighBalls(b.x, b.ball, b.whole, b.n, b.weight, b.active, whole);
     if (whole < b.used) {
         const std::size_t near = WeighBalls(b.x, b.shareBall, 0, b.m, b.shareWeight, b.shareActive, 0);
-        for (int g = 0; g < lanes; g += each) {
+        for (int g = 0; g < lanes; g += perRegister) {
             Numbers total = {};
             for (std::size_t q = 0; q < near; ++q) {
                 Numbers w;
@@ -96,7 +96,7 @@ FCD_TARGET inline void Blend(Blending &b) {
 
 FCD_TARGET inline void MoveByBlend(const Blending &b, const float *inverse, const PatchMotion &own, const Space &space,
                                    Vertices &v) {
-    // What the candidates' motions differ by from that of the patch is small, and float is enough.
+    // The differences of the candidates' motions from that of the patch are small: float is enough.
     double way[3][lanes], moved[3][lanes];
     float local[3][lanes], offset[3][lanes];
     for (int d = 0; d < 3; ++d) {
@@ -157,7 +157,7 @@ FCD_TARGET inline void MapsOfBlend(const Blending &b, const float *inverse, cons
 
 FCD_TARGET inline void Carry(const Blending &b, const PatchMotion &own, const Space &space, bool linear, Vertices &v) {
     float inverse[lanes];
-    for (int l = 0; l < lanes; ++l) { // 0 where no ball reaches, as around an isolated vertex
+    for (int l = 0; l < lanes; ++l) { // 0 if no ball reaches it, as around an isolated vertex
         const float total = b.sum[15][l];
         inverse[l] = total > 0 ? 1 / total : 0;
     }

@@ -8,15 +8,15 @@
 #include <cstring>
 
 /// \file
-/// The innermost loops of the mapping, over a few vertices of one patch at a time, compiled for each kind of processor.
-/// All of them give the same bits: each vertex sees the same operations in the same order, none of them fused.
+/// The innermost loops of the mapping, compiled for each kind of processor. All give the same bits: each vertex sees
+/// the same operations in the same order, none of them fused.
 
 namespace vcg::fcd::detail {
 
 #define FCD_TARGET
 namespace plain {
 #ifdef __GNUC__
-using Numbers = float __attribute__((vector_size(16))); ///< of some vertices, as many as a register holds
+using Numbers = float __attribute__((vector_size(16))); ///< a register: one number of several vertices
 #else
 using Numbers = float;
 #endif

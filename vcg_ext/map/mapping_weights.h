@@ -4,11 +4,11 @@
 
 namespace vcg::fcd {
 
-/// What a node of the deformation graph may influence.
+/// What a node of the deformation graph influences.
 enum class MappingWeights {
-    Surface,  ///< what is connected to it over free surface inside the ball of its influence, by a way not much longer
-              ///< than the straight one
-    Euclidean ///< all nodes inside the ball, as in the paper
+    Surface,  ///< free surface in the ball of its influence that is connected to it in the ball, by a path not much
+              ///< longer than the straight line
+    Euclidean ///< all free surface in the ball, as in the paper
 };
 
 } // namespace vcg::fcd

@@ -29,9 +29,9 @@ void MovingRegion::ListVertices(const std::vector<Index> &nodeOf, const Progress
     ParallelFor(progress, stage, count, grain, [&](std::size_t first, std::size_t last) {
         std::vector<std::pair<Index, Bent>> here; // by patch
         here.reserve(last - first);
-        std::map<Index, std::size_t> next; // of each patch: where its next one goes
+        std::map<Index, std::size_t> next; // of each patch: count, then the entry of bent for its next vertex
         Index patch = -1;
-        std::size_t *ofPatch = nullptr; // neighbours are mostly of one patch: it is not looked up for each
+        std::size_t *ofPatch = nullptr; // neighbours are mostly of one patch: saves lookups
         const auto nextOf = [&](Index j) -> std::size_t & {
             if (j != patch)
                 ofPatch = &next[patch = j];

@@ -18,32 +18,32 @@
 
 namespace vcg::fcd {
 
-/// The way on which a pose was reached.
+/// How a pose was reached.
 struct PoseWay {
-    int steps = 1;         ///< each from the one before
-    bool jumps = false;    ///< whether the shape jumps on it to another one, instead of growing
-    bool unstable = false; ///< whether it was found that it would give way at its end, left to itself
+    int steps = 1;         ///< poses solved, each from the one before; this is the last
+    bool jumps = false;    ///< the shape jumps to another one on the way, instead of changing continuously
+    bool unstable = false; ///< the pose is a saddle of the energy: a small push would make it buckle
 };
 
 /// One pose of a region.
 struct RegionPose {
-    HeldMotions given;                       ///< of what holds it, with its single nodes
-    GraphPose solved;                        ///< of the graph
+    HeldMotions given;                       ///< motions of what holds it, with its single nodes
+    GraphPose solved;                        ///< of the graph, as solved
     GraphPose graph;                         ///< the same with linear maps (FitLinear; rotations as printed)
     std::vector<Eigen::Affine3d> nodeMotion; ///< k, of constrained nodes, frame units
-    /// Of every tag but 1, frame units; of single nodes that turn as the surface around them does, that.
+    /// Of every tag but 1, frame units. Single nodes that only move turn as the surface around them.
     std::map<Index, Eigen::Affine3d> motion;
-    int iterations = 0; ///< of the solver, with those of the poses on the way
+    int iterations = 0; ///< of the solver, for all steps
     PoseWay way;
-    double volumeOff = 0; ///< share of its volume that a part is off which was to keep it, the largest
+    double volumeOff = 0; ///< largest error of a volume that should be kept, over that volume
 
     bool Moves() const { return given.Moves() || solved.moves; }
 };
 
-/// A region: a connected part of the free surface with what holds it, its deformation graph, and how its vertices
-/// follow the graph. Nothing in it depends on what lies outside of it.
+/// A region: a connected part of the free surface with what holds it, its deformation graph, and the mapping to its
+/// vertices. Nothing in it depends on other regions.
 struct MovingRegion {
-    /// A vertex slot and the node of the surface that it is at.
+    /// A vertex slot and its node of the surface.
     struct Bent {
         std::uint32_t slot;
         Index node;
@@ -55,9 +55,9 @@ struct MovingRegion {
     DeformationGraph graph;
     MappingWeights weights = MappingWeights::Surface;
     std::unique_ptr<GraphMapping> mapping;
-    std::vector<Bent> bent;    ///< the free vertices, those of one patch beside each other
-    std::vector<Bent> beside;  ///< the held ones
-    const std::uint32_t first; ///< the smallest slot of a free one
+    std::vector<Bent> bent;    ///< the free vertices; vertices of a patch mostly follow each other
+    std::vector<Bent> beside;  ///< the held vertices
+    const std::uint32_t first; ///< the smallest slot of a free vertex
 
     MovingRegion(SurfaceGraph surface, HeldNodes held, std::uint32_t first = 0)
         : surface(std::move(surface)), held(std::move(held)), first(first) {}
@@ -67,7 +67,7 @@ struct MovingRegion {
     bool IsFree(Index node) const { return held.tag[std::size_t(node)] == 1; }
 
   protected:
-    /// Sets bent and beside. \param nodeOf of each of surface.slots' slots
+    /// Sets bent and beside. \param nodeOf node of each of surface.slots, by slot
     void ListVertices(const std::vector<Index> &nodeOf, const Progress &progress);
 };
 

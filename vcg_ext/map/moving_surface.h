@@ -12,12 +12,12 @@
 
 namespace vcg::fcd {
 
-/// One pose of a surface: that of each of its regions.
+/// One pose of a surface: of all its regions.
 struct SurfacePose {
     HeldMotions given;
     std::vector<RegionPose> region;
-    int iterations = 0; ///< of the solver, the most of a region, with those of the poses on the way
-    PoseWay way;        ///< steps: the most of a region; jumps, unstable: whether those of any region are
+    int iterations = 0; ///< the most of a region
+    PoseWay way;        ///< steps: the most of a region; jumps, unstable: of any region
     bool converged = true;
     double energy = 0; ///< Eq. 2, world units^2
 
@@ -27,26 +27,26 @@ struct SurfacePose {
     }
 };
 
-/// A surface that deforms: its regions, its loose parts, and what moves with the handles alone.
+/// A surface that deforms: its regions, its loose parts, and vertices that only move with handles.
 struct MovingSurface {
     /// The node of a vertex.
     struct Place {
-        const MovingRegion *region; ///< null: the vertex is in none
+        const MovingRegion *region; ///< null if the vertex is in none
         std::size_t number;         ///< of the region
         Index node;                 ///< of its surface
     };
 
-    Frame frame; ///< that of the first region, or only the metric where there is none
+    Frame frame; ///< of the first region; if there is none, only the metric
     std::vector<std::shared_ptr<const MovingRegion>> regions;
     LooseSurface loose;
-    std::vector<int> slotTag; ///< one per vertex slot, noVertex if it is deleted; vertices that share a place in no
-                              ///< region have the tag of what holds it
+    std::vector<int> slotTag; ///< one per vertex slot, noVertex if it is deleted; vertices in no region at the position
+                              ///< of a held one have the tag of that
     LooseFollowing following;
-    std::vector<Eigen::Vector3d> leaderRest; ///< of each loose part, mesh units
+    std::vector<Eigen::Vector3d> leaderRest; ///< rest position of each loose part's leader, mesh units
     std::vector<std::uint32_t> carried;      ///< slots of handles, and of loose parts
     /// Per vertex slot: its node, in the first region that has the vertex; -1 for none.
     std::vector<Index> nodeOf;
-    std::vector<std::uint32_t> regionOf; ///< per vertex slot with a node: its region; empty where there is one region
+    std::vector<std::uint32_t> regionOf; ///< per vertex slot: its region, if it has a node; empty if there is only one
 
     MovingSurface() = default;
     MovingSurface(const MovingSurface &) = delete; // others refer to it
@@ -59,7 +59,7 @@ struct MovingSurface {
         return {regions[number].get(), number, nodeOf[slot]};
     }
 
-    /// Per vertex slot: the region that it is free in, or, where it is in none, -1 less its tag.
+    /// Per vertex slot: the region in which it is free; if there is none, -1 - its tag.
     std::vector<Index> FreeIn() const {
         std::vector<Index> region;
         region.reserve(slotTag.size());
@@ -71,7 +71,7 @@ struct MovingSurface {
         return region;
     }
 
-    /// How many nodes all graphs have.
+    /// Number of nodes of all graphs.
     Index Nodes() const {
         Index all = 0;
         for (const auto &region : regions)
@@ -79,7 +79,7 @@ struct MovingSurface {
         return all;
     }
 
-    /// body(slot) for each slot that may move in some pose, once.
+    /// Calls body(slot) once for each slot that may move in some pose.
     template <class Body>
     void ForMoving(const Body &body) const {
         for (const auto &region : regions)

@@ -7,7 +7,7 @@
 
 namespace vcg::fcd {
 
-/// What a map of points does to normals, up to their length; the map may flatten.
+/// The matrix that turns normals if \p map moves points, up to their length. The map may be singular.
 template <class Scalar>
 Eigen::Matrix<Scalar, 3, 3> Cofactors(const Eigen::Matrix<Scalar, 3, 3> &map) {
     Eigen::Matrix<Scalar, 3, 3> c;
@@ -16,8 +16,8 @@ Eigen::Matrix<Scalar, 3, 3> Cofactors(const Eigen::Matrix<Scalar, 3, 3> &map) {
     return c;
 }
 
-/// A normal after a map of points, as long as it was: the same where the map flattens, and to the bit where it is the
-/// identity.
+/// A normal turned by a map of points, with its length kept. It keeps its bits if the map is the identity or leaves it
+/// without a direction.
 inline Eigen::Vector3d Turned(const Eigen::Matrix3f &map, const Eigen::Vector3d &normal) {
     const Eigen::Vector3d after = (Cofactors(map) * normal.cast<float>()).cast<double>();
     const double square = after.squaredNorm();

@@ -12,38 +12,38 @@
 
 namespace vcg::fcd {
 
-/// Takes bytes that stand \p at so many bytes from the beginning of a file; what was not there before is zero.
+/// Writes bytes at an offset from the beginning of a file. Gaps are zero.
 using WriteAt = std::function<void(std::uint64_t at, const char *data, std::size_t size)>;
 
-/// What files know of a surface: its vertices and triangles, without what is deleted.
+/// The vertices and triangles of a surface as files have them, without deleted ones.
 struct PackedSurface {
     /// \throw Cancelled
     explicit PackedSurface(const SurfaceView &surface, const Progress &progress = {});
-    /// The same, its triangles texture by texture, with further vertices behind its own where corners at one differ in
-    /// texture coordinates, or in the colours of their faces. \pre the arrays of \p look are as long as the surface's
+    /// The same for glTF: triangles sorted by texture, and more vertices at the end for corners of a vertex that differ
+    /// in texture coordinates or face colour. \pre the arrays of \p look have the surface's sizes
     PackedSurface(const SurfaceView &surface, const SurfaceLook &look, const Progress &progress);
 
     /// Triangles with one texture.
     struct Range {
-        std::int32_t texture;     ///< number in the look, or SurfaceLook::plain
-        std::size_t first, count; ///< of corners
+        std::int32_t texture;     ///< number in SurfaceLook::image, or SurfaceLook::plain
+        std::size_t first, count; ///< in corner
     };
 
     std::vector<std::uint32_t> slot;   ///< of each vertex
-    std::vector<std::uint32_t> corner; ///< numbers of vertices, 3 a triangle
-    std::vector<Range> range;          ///< all corners; none without a triangle
-    std::vector<std::uint32_t> wedge;  ///< of each vertex, 3 faces + the corner that it looks as, or SurfaceView::none;
-                                       ///< empty: corners do not differ
-    unsigned threads;                  ///< that write it, 0 = one a core
+    std::vector<std::uint32_t> corner; ///< numbers of vertices, 3 per triangle
+    std::vector<Range> range;          ///< covers all corners; empty for a cloud
+    std::vector<std::uint32_t>
+        wedge; ///< per vertex: 3 * face + corner with its look, or SurfaceView::none; empty if corners never differ
+    unsigned threads; ///< for writing, 0 = one a core
 };
 
-/// A point cache, `.pc2`: where the vertices of a mesh are, in single precision, frame by frame. As written by
-/// Autodesk's PointCache and read by Blender's modifier "Mesh Cache": 32 bytes ("POINTCACHE2", 0, the version 1, the
-/// number of vertices, the number of the first frame, frames a sample, samples), and three numbers a vertex a frame;
-/// all little-endian.
+/// A point cache, `.pc2`: the positions of a mesh's vertices, frame by frame, in single precision. Autodesk's
+/// PointCache writes it, and Blender's modifier "Mesh Cache" reads it. 32 bytes ("POINTCACHE2", 0, the version 1,
+/// number of vertices, number of the first frame, frames per sample, number of samples), then three numbers for each
+/// vertex of each frame, little-endian.
 class PointCacheFile {
   public:
-    /// \param frames how many follow \param first the number of the first one
+    /// \param frames number of frames \param first number of the first one
     PointCacheFile(WriteAt write, const PackedSurface &surface, std::size_t frames, double first);
 
     /// \param position 3 x vertex slots of the next frame
@@ -57,7 +57,7 @@ class PointCacheFile {
 
 namespace detail {
 
-/// body(i) for i from 0 to \p count, one after the other. \throw Cancelled
+/// Calls body(i) for each i below \p count, in order, and reports progress. \throw Cancelled
 template <class Body>
 void ForItems(std::size_t count, const Progress &progress, const Body &body) {
     const std::size_t block = 1 << 18; // takes some milliseconds
@@ -68,7 +68,7 @@ void ForItems(std::size_t count, const Progress &progress, const Body &body) {
     }
 }
 
-/// Writes 3 numbers a vertex in single precision, block by block. \param row gives those of a slot
+/// Writes 3 numbers per vertex in single precision. \param row the numbers of a slot
 void WriteRows(const WriteAt &write, std::uint64_t at, const PackedSurface &surface,
                const std::function<Eigen::Vector3f(std::size_t slot)> &row);
 

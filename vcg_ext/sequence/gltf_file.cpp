@@ -15,10 +15,10 @@ namespace vcg::fcd {
 
 namespace {
 
-constexpr std::size_t headBytes = 20; // of the file and of the chunk with the JSON
-// Up to so many frames with a shape each, all weights are written, as every reader reads them: 4 MB. All but one are 0.
+constexpr std::size_t headBytes = 20; // headers of the file and of the JSON chunk
+// Up to so many frames with a shape each, all weights are written, since every reader reads them: 4 MB, nearly all 0.
 constexpr std::size_t mostDense = 1024;
-// Of more, only those that are not 0 (sparse accessors), at numbers of 32 bits.
+// Beyond, only those other than 0 (sparse accessors), with 32-bit indices.
 constexpr std::size_t mostFrames = 65536;
 constexpr int vertices = 34962, indices = 34963, unsignedShort = 5123, unsignedInt = 5125, real = 5126;
 
@@ -38,7 +38,7 @@ GltfFile::GltfFile(WriteAt write, const std::vector<GltfMesh> &given, MorphAnima
         AddMesh(mesh);
     accessors = parts.size();
     if (isSparse)
-        AddPart(times, unsignedInt, "SCALAR", 4 * times, 0, 0); // where the weights are that are not 0
+        AddPart(times, unsignedInt, "SCALAR", 4 * times, 0, 0); // indices of the weights other than 0
     for (const TextureImage *image : images)
         AddPart(0, 0, "", image->content.size(), 0, 0);
     jsonBytes = (Json(true).size() + 3) / 4 * 4;
@@ -50,7 +50,7 @@ GltfFile::GltfFile(WriteAt write, const std::vector<GltfMesh> &given, MorphAnima
         WriteRest(each);
     for (std::size_t i = 0; i < images.size(); ++i) {
         std::string padded = images[i]->content;
-        padded.resize((padded.size() + 3) / 4 * 4, '\0'); // the last one ends the file
+        padded.resize((padded.size() + 3) / 4 * 4, '\0'); // the last image ends the file
         this->write(headBytes + jsonBytes + 8 + parts[accessors + isSparse + i].at, padded.data(), padded.size());
     }
 }
@@ -149,7 +149,7 @@ void GltfFile::WriteRest(Placed &placed) {
         return Eigen::Vector3f((mesh.position.col(Eigen::Index(slot)) - placed.origin).cast<float>());
     });
     if (!placed.isCloud)
-        WriteVectors(placed, [&](std::size_t slot) { // of length 1, also without a face
+        WriteVectors(placed, [&](std::size_t slot) { // glTF wants length 1, also for vertices without a face
             const Eigen::Vector3f unit = mesh.normal.col(Eigen::Index(slot)).cast<float>();
             return unit.isZero(0) ? Eigen::Vector3f::UnitZ().eval() : unit;
         });
@@ -161,14 +161,14 @@ void GltfFile::WriteRest(Placed &placed) {
 
 void GltfFile::WritePlaces(const Placed &placed) {
     const GltfMesh &mesh = placed.mesh;
-    std::vector<float> all(2 * mesh.surface.slot.size(), 0); // of vertices without a face, too
+    std::vector<float> all(2 * mesh.surface.slot.size(), 0); // 0 for vertices without a face
     for (std::size_t i = 0; i < mesh.surface.slot.size(); ++i) {
         if (mesh.surface.wedge[i] == SurfaceView::none)
             continue;
         const float *place = &mesh.look.place[2 * std::size_t(mesh.surface.wedge[i])];
-        if (std::isfinite(place[0]) && std::isfinite(place[1])) { // others are nowhere
+        if (std::isfinite(place[0]) && std::isfinite(place[1])) {
             all[2 * i] = place[0];
-            all[2 * i + 1] = float(1 - double(place[1])); // down from the upper left corner of the image
+            all[2 * i + 1] = float(1 - double(place[1])); // glTF counts down from the upper left corner
         }
     }
     WritePart(placed.places, all.data());
@@ -186,7 +186,7 @@ void GltfFile::WriteColors(const Placed &placed) {
     std::vector<std::uint16_t> all;
     all.reserve(4 * surface.slot.size());
     for (std::size_t i = 0; i < surface.slot.size(); ++i) {
-        std::array<std::uint8_t, 4> color{255, 255, 255, 255}; // of a vertex without a face, of faces that have colours
+        std::array<std::uint8_t, 4> color{255, 255, 255, 255}; // for vertices without a face
         if (!look.color.empty())
             color = look.color[surface.slot[i]];
         else if (surface.wedge[i] != SurfaceView::none)
@@ -221,7 +221,7 @@ void GltfFile::Add(std::size_t mesh, const Eigen::Matrix3Xd &position, const Eig
     };
     WriteVectors(placed, [&](std::size_t slot) { return change(position, placed.mesh.position, slot); });
     if (!placed.isCloud)
-        WriteVectors(placed, [&](std::size_t slot) { // 0 without a face, which stays what it is in the file
+        WriteVectors(placed, [&](std::size_t slot) { // 0 without a face, which keeps its normal
             const auto at = Eigen::Index(slot);
             const bool isNone = normal.col(at).isZero(0) || placed.mesh.normal.col(at).isZero(0);
             return isNone ? Eigen::Vector3f::Zero().eval() : change(normal, placed.mesh.normal, slot);

@@ -9,15 +9,15 @@
 
 namespace vcg::fcd {
 
-/// How the shapes of meshes (morph targets, shape keys) are mixed in the course of time.
+/// The weights of morph targets (shape keys) over time.
 struct MorphAnimation {
     std::vector<std::string> target; ///< names, UTF-8
     std::vector<double> time;        ///< ascending, seconds from 0
-    /// At each time, of each target; 1 is all of it. Empty: each time has one target alone, in their order.
+    /// Of each target, at each time; 1 is the whole target. Empty: at time i, only target i.
     std::vector<std::vector<double>> weight;
 };
 
-/// A surface or a cloud of a file, which refers to all of this.
+/// A surface or a cloud of a file. The file keeps the references.
 struct GltfMesh {
     std::string name;             ///< UTF-8
     const PackedSurface &surface; ///< made with \p look
@@ -25,40 +25,40 @@ struct GltfMesh {
     const Eigen::Matrix3Xd &position, &normal; ///< 3 x vertex slots, at rest; the normals are not read for a cloud
 };
 
-/// Surfaces and clouds with morph targets and one animation of all, as binary glTF 2.0 (`.glb`): each a node with a
-/// mesh, positions and, of a surface, normals in single precision, from the middle of the box at rest, which the node
-/// is moved to. Between its times the weights are interpolated linearly. Vertices go straight to the file.
+/// Writes surfaces and clouds with morph targets and one animation as binary glTF 2.0 (`.glb`). Each is a node with a
+/// mesh. Positions, and normals of surfaces, are in single precision; the node is at the middle of the box at rest, and
+/// positions are relative to it. Weights are interpolated linearly between times. Vertices are written as they come.
 ///
-/// Colours are linear in the format, in 16 bits, so that dark ones stay apart. A texture is a material, matt and seen
-/// from both sides, with the image as it is; the format would multiply it by the colours of vertices, which are
-/// therefore those of triangles without an image alone.
+/// Colours are linear, as glTF has them, with 16 bits, so that dark ones stay distinct. A texture is a matt material,
+/// seen from both sides, with the image as it is. glTF multiplies textures by vertex colours, so only triangles without
+/// an image have these.
 class GltfFile {
   public:
     /// \throw BadInput a file of 4 GB or more, or of more than 65536 frames with a shape each, which the format
     /// cannot hold
     GltfFile(WriteAt write, const std::vector<GltfMesh> &meshes, MorphAnimation animation);
 
-    /// The next target of a mesh. \param position, normal as those at rest
+    /// Writes the next target of a mesh. \param position, normal 3 x vertex slots, as at rest
     void Add(std::size_t mesh, const Eigen::Matrix3Xd &position, const Eigen::Matrix3Xd &normal);
 
-    /// To be called when all targets of all meshes were added: before, there is no file yet.
+    /// Completes the file. Call it after all targets of all meshes were added.
     void Finish();
 
   private:
     static constexpr std::size_t none = std::size_t(-1);
 
-    /// A part of the buffer, with numbers or an image.
+    /// A part of the buffer: numbers or an image.
     struct Part {
         std::uint64_t at, bytes; ///< in the buffer
         std::size_t count;
         int component;
         const char *type;
-        int target; ///< of the graphics card
+        int target; ///< bufferView.target of glTF; 0: none
         Eigen::Array3f low, high;
-        int numbers; ///< of low and high; 0: not told
+        int numbers; ///< how many of low and high are written; 0: no range
     };
 
-    /// A mesh, and the numbers of its parts; none: there is no such.
+    /// A mesh, and the numbers of its parts; `none` if it has no such part.
     struct Placed {
         explicit Placed(const GltfMesh &mesh) : mesh(mesh), isCloud(mesh.surface.corner.empty()) {}
 
@@ -66,8 +66,8 @@ class GltfFile {
         bool isCloud;
         Eigen::Vector3d origin;
         std::size_t corners = none, rest = none, places = none, colors = none;
-        std::size_t next = none;           ///< part of shapes to write
-        std::vector<std::size_t> material; ///< of each range of triangles
+        std::size_t next = none;           ///< part of the shapes that is written next
+        std::vector<std::size_t> material; ///< of each PackedSurface::range
         std::size_t PartsOfShape() const { return isCloud ? 1 : 2; }
     };
 
@@ -86,13 +86,13 @@ class GltfFile {
 
     const WriteAt write;
     const MorphAnimation animation;
-    const bool isSparse; ///< only weights that are not 0 are written, and a part tells where they are
+    const bool isSparse; ///< only weights other than 0 are written, with a part for their indices
     std::vector<Placed> meshes;
-    std::vector<const TextureImage *> materials; ///< null: without a texture
+    std::vector<const TextureImage *> materials; ///< texture of each; null: none
     std::vector<const TextureImage *> images;
-    std::vector<Part> parts;   ///< numbers, each an accessor; where weights are that are not 0; images
-    std::size_t accessors = 0; ///< how many of them are
-    std::size_t jsonBytes = 0; ///< there is room for
+    std::vector<Part> parts;   ///< accessors; indices of sparse weights; images
+    std::size_t accessors = 0; ///< number of accessors
+    std::size_t jsonBytes = 0; ///< room for the JSON
     std::uint64_t bufferBytes = 0;
 };
 

@@ -85,7 +85,7 @@ std::string GltfFile::MaterialsJson() const {
            });
 }
 
-/// \param longest with numbers that are as long as any, for room
+/// \param longest with the longest possible numbers, to know the room
 std::string GltfFile::Json(bool longest) const {
     const std::size_t count = meshes.size();
     std::string json =

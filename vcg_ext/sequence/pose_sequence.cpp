@@ -37,7 +37,7 @@ std::string MarkText(const SurfaceMark &mark) {
     return text;
 }
 
-/// A cell of a table.
+/// A cell of a table, quoted if needed.
 std::string Cell(const std::string &text) {
     const bool isPlain = text.find_first_of(",;\t\"\r\n#") == std::string::npos;
     if (isPlain && (text.empty() || (text.front() != ' ' && text.back() != ' ')))
@@ -71,7 +71,7 @@ SurfaceMark SurfaceMark::Of(const SurfaceView &surface, const Eigen::Affine3d &w
 
 bool SurfaceMark::IsSame(const SurfaceMark &other) const {
     const double near =
-        1e-4 * std::max(box.diagonal().stableNorm(), other.box.diagonal().stableNorm()); // files have six digits
+        1e-4 * std::max(box.diagonal().stableNorm(), other.box.diagonal().stableNorm()); // some files have six digits
     return vertices == other.vertices && (box.min() - other.box.min()).stableNorm() <= near &&
            (box.max() - other.box.max()).stableNorm() <= near;
 }
@@ -131,7 +131,7 @@ PoseSequence ReadPoseSequence(const std::string &text, const std::string &name) 
     for (std::size_t i = 2; i < reader.cell.size(); ++i)
         sequence.pose.push_back({reader.cell[i], {}});
     const std::size_t cells = reader.cell.size();
-    const std::size_t most = 10000; // without key frames, these have the square of it
+    const std::size_t most = 10000; // default key frames have the square of it as weights
     if (sequence.pose.size() > most)
         reader.Fail("found " + std::to_string(sequence.pose.size()) + " poses, where " + std::to_string(most) +
                     " are the most");
@@ -204,7 +204,7 @@ std::vector<double> FrameTimes(const PoseSequence &sequence, double rate) {
     if (sequence.key.empty())
         return time;
     const double begin = sequence.key.front().time, length = sequence.key.back().time - begin;
-    const double steps = std::ceil(length * rate - 1e-6); // what rounding leaves is no frame
+    const double steps = std::ceil(length * rate - 1e-6); // no frame by rounding
     if (!(steps < 1e6))
         throw BadInput("These would be more than a million frames. Give fewer frames per second, or times in seconds.");
     for (std::size_t i = 0; i <= std::size_t(std::max(steps, 0.)); ++i)

@@ -10,24 +10,24 @@
 #include <vector>
 
 /// \file
-/// Poses that have names, and how they follow each other in time; as a table that people read and write.
+/// Named poses, their key frames, and the table for both that people read and write.
 
 namespace vcg::fcd {
 
-/// A pose: how handles move.
+/// A pose: the motions of handles.
 struct NamedPose {
     std::string name;    ///< UTF-8, not empty
-    std::string motions; ///< as ReadMotionText reads them; empty: rest
+    std::string motions; ///< for ReadMotionText; empty: rest
 };
 
-/// How the weights go from one key frame to the next.
+/// How weights change from one key frame to the next.
 enum class Easing {
-    Linear, ///< at an even rate
+    Linear, ///< evenly
     Smooth, ///< t * t * (3 - 2 t), as smoothstep of GLSL (The OpenGL Shading Language 4.60, 8.3)
-    Hold    ///< not at all, and at once at the next
+    Hold    ///< not before the next, then at once
 };
 
-/// Where, at \p t of the way in time, 0 to 1, the weights are on theirs.
+/// The share of the change at \p t, the share of the time, both in [0, 1].
 double Eased(Easing easing, double t);
 
 /// The weights of all poses at one time.
@@ -37,15 +37,15 @@ struct KeyFrame {
     std::vector<double> weight;     ///< of each pose, percent, any number
 };
 
-/// What tells a surface from another: it is written to files, so that poses are not taken for another surface.
+/// Identifies a surface in files of poses, so that they are not used for another one.
 struct SurfaceMark {
     std::size_t vertices = 0;
-    Eigen::AlignedBox3d box; ///< at rest, in the world
+    Eigen::AlignedBox3d box; ///< at rest, world units
 
     /// \param world from mesh units to the world
     static SurfaceMark Of(const SurfaceView &surface, const Eigen::Affine3d &world);
 
-    /// Whether it is the same surface, at the same place within 1e-4 of its diagonal.
+    /// Whether the vertex counts are equal, and the boxes within 1e-4 of the diagonal.
     bool IsSame(const SurfaceMark &other) const;
 };
 
@@ -53,37 +53,37 @@ struct SurfaceMark {
 struct PoseSequence {
     std::vector<NamedPose> pose;
     std::vector<KeyFrame> key;          ///< ascending in time
-    std::optional<SurfaceMark> surface; ///< that they are of, where it is known
+    std::optional<SurfaceMark> surface; ///< their surface, if it is known
 
-    /// The weights at \p time, in seconds; before the first key frame those of that, after the last one those of that.
+    /// The weights at \p time, seconds, percent. Before the first key frame and after the last, they are constant.
     std::vector<double> WeightsAt(double time) const;
 
-    /// \throw BadInput no pose, a name that is empty or there twice, times that do not ascend or are negative, weights
-    /// that are not finite or not one for each pose
+    /// \throw BadInput no pose; a name that is empty or repeated; times that do not ascend or are negative; weights
+    /// that are not finite, or not one for each pose
     void Validate() const;
 
-    /// \param other the surface at hand \throw BadInput when the poses are known to be of another one
+    /// \param other the surface that is to be posed \throw BadInput the poses are known to be of another one
     void ExpectSurface(const SurfaceMark &other) const;
 };
 
-/// Reads a table of poses, a line for each row, its cells with commas, semicolons or tabs between (that which follows
-/// the first word); cells may be quoted ("..."; "" is a quotation mark), and lines that begin with # are comments:
+/// Reads a table of poses, a row on each line. Cells are separated by commas, semicolons or tabs, as after the first
+/// word. They may be quoted ("..."; "" is a quotation mark). Lines that begin with # are comments.
 ///
 ///     time, easing, NAME, NAME, ...                  a column for each pose
-///     surface, , "N vertices from x y z to x y z"    may be left out: where the poses are from
+///     surface, , "N vertices from x y z to x y z"    optional: the surface of the poses
 ///     motions, , "2: rotate 0 0 1 90", "2: translate 0 0 5; 3: scale 2", ...
 ///     0, smooth, 0, 0                                a row for each key frame: seconds, linear, smooth or hold, and
 ///     1.5, linear, 100, 50                           the percent of each pose; empty is linear, and 0
 ///
-/// Without key frames, the poses follow each other, from rest, a second each, smoothly.
-/// \param name what messages call the text \throw BadInput what is wrong, with the line
+/// Without key frames, the poses follow each other smoothly from rest, a second each. \param name of the text, for
+/// messages \throw BadInput what is wrong, with the line
 PoseSequence ReadPoseSequence(const std::string &text, const std::string &name);
 
-/// What ReadPoseSequence reads, each number to the bit.
+/// The text for ReadPoseSequence, with each number to the bit.
 std::string PoseSequenceText(const PoseSequence &sequence);
 
-/// The times of the frames from the first key frame to the last, \p rate a second; the last is not before the last key
-/// frame. \throw BadInput a rate that is not positive, or more than a million frames
+/// The times of the frames, seconds, \p rate a second, from the first key frame to the last or just after it.
+/// \throw BadInput a rate that is not positive, or more than a million frames
 std::vector<double> FrameTimes(const PoseSequence &sequence, double rate);
 
 } // namespace vcg::fcd

@@ -15,7 +15,7 @@ namespace vcg::fcd {
 
 namespace {
 
-/// A time at which a pose is wanted.
+/// A time at which a pose is solved, with the number of its frame or key frame.
 struct Stop {
     static constexpr std::size_t none = std::size_t(-1);
     double time = 0;
@@ -39,7 +39,7 @@ std::vector<Stop> StopsOf(const PoseSequence &sequence, double rate, bool frames
     return stops;
 }
 
-/// \throw BadInput what no file can hold, and no pose can carry
+/// \throw BadInput no vertices, or one that is not finite
 void ExpectPlaces(const Companion &companion) {
     const SurfaceView &surface = companion.surface;
     std::size_t count = 0;
@@ -81,7 +81,7 @@ class WorldShape {
     const unsigned threads;
 };
 
-/// The glTF file of a sequence, and by how much it is off.
+/// The glTF file of a sequence, and its error.
 class Morphs {
   public:
     Morphs(const SequenceOutput &output, const SurfaceView &surface, const Handles &handles,
@@ -110,7 +110,7 @@ class Morphs {
         file = std::make_unique<GltfFile>(output.gltf, meshes, std::move(animation));
     }
 
-    /// \param position of the surface that is posed
+    /// \param position of the posed surface
     void AddPose(const Carrier &carrier, const Eigen::Matrix3Xd &position) {
         for (std::size_t i = 0; i < bodies.size(); ++i) {
             Body &body = *bodies[i];
@@ -157,10 +157,10 @@ class Morphs {
 
         const SurfaceView surface;
         const SurfaceLook &look;
-        const Companion *companion; ///< null: it is the one that is posed
+        const Companion *companion; ///< null for the posed surface
         const PackedSurface packed;
         WorldShape rest, now;
-        std::vector<Eigen::Matrix3Xf> shape; ///< of each pose, what it adds to that at rest
+        std::vector<Eigen::Matrix3Xf> shape; ///< of each pose: displacements from rest
     };
 
     void Compare(const Body &body, std::size_t number) {
@@ -205,7 +205,7 @@ double SequenceReport::ContactDepth() const {
 std::string SequenceReport::ContactText() const {
     if (contacts.empty())
         return {};
-    const std::size_t shown = 10; // more are not read
+    const std::size_t shown = 10; // nobody reads more
     std::ostringstream line;
     line << "In " << contacts.size() << " of " << frames << " frames, triangles pass through others, up to "
          << ContactDepth() << " deep: ";
@@ -229,8 +229,8 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
     SequenceSolver solver(deformer, handles.world, motions, param);
     SequenceReport report;
     Eigen::Matrix3Xd position;
-    std::unique_ptr<Carrier> carrier; // of the pose of these
-    Deformer::Pose farthest;          // of all, that with most of Eq. 2
+    std::unique_ptr<Carrier> carrier; // of the same pose as position
+    Deformer::Pose farthest;          // the one with most energy
     std::size_t done = 0;
     const bool posesFirst = bool(output.gltf) && output.shapes == SequenceOutput::EachPose;
     const std::size_t all = stops.size() + (posesFirst ? motions.size() : 0);
@@ -270,7 +270,7 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
     }
     solver.Rest();
     for (const Stop &stop : stops) {
-        SequenceSolver aside = solver; // frames do not depend on what else is made
+        SequenceSolver aside = solver; // for key frames between: they must not change the frames
         const bool isBetween = stop.frame == Stop::none && frames;
         const Deformer::Pose &pose = go(isBetween ? aside : solver, sequence.WeightsAt(stop.time));
         if (param.contact || surface.faces <= contactUnasked)

@@ -14,35 +14,35 @@
 
 namespace vcg::fcd {
 
-/// Another surface or cloud of an animation, which goes along with the one that is posed.
+/// Another surface or cloud of an animation, which follows the posed one.
 struct Companion {
     SurfaceView surface;   ///< at rest
-    Eigen::Affine3d world; ///< from its mesh units
+    Eigen::Affine3d world; ///< its mesh units to the world
     std::string name;
     SurfaceLook look;
-    /// Where a pose takes it: gets its positions at rest, 3 x vertex slots, its mesh units, and changes them.
+    /// Poses it. \p position is 3 x vertex slots, its mesh units; in: at rest, out: posed.
     std::function<void(const Carrier &carrier, Eigen::Matrix3Xd &position)> carry;
 };
 
-/// What a pose sequence is written as, and to whom.
+/// What is made of a pose sequence. Outputs that are empty are not made.
 struct SequenceOutput {
     enum Shapes {
-        EachFrame, ///< each frame has its own morph target: it is what it is
-        EachPose   ///< each pose has one, mixed in straight lines
+        EachFrame, ///< a morph target for each frame: exact
+        EachPose   ///< a morph target for each pose, mixed linearly
     };
 
     double rate = 24;                  ///< frames a second
     std::string name;                  ///< of the mesh, in glTF
     SurfaceLook look;                  ///< in glTF
     std::vector<Companion> companions; ///< in glTF
-    WriteAt gltf;                      ///< gets a .glb file in the world, or is empty
+    WriteAt gltf;                      ///< gets a .glb file, world units
     Shapes shapes = EachFrame;
-    WriteAt pointCache; ///< gets a .pc2 file in mesh units, or is empty
+    WriteAt pointCache; ///< gets a .pc2 file, mesh units
 
-    /// A frame that is wanted: its pose, and the positions, 3 x vertex slots, mesh units.
+    /// Gets a frame: its number, its pose, and its positions, 3 x vertex slots, mesh units.
     using Take = std::function<void(std::size_t number, const Deformer::Pose &pose, const Eigen::Matrix3Xd &position)>;
-    Take frame;    ///< gets each frame, or is empty
-    Take keyFrame; ///< gets each key frame, also where it is between two frames, or is empty
+    Take frame;    ///< gets each frame
+    Take keyFrame; ///< gets each key frame, also between two frames
 };
 
 /// A frame in which the surface passes through itself.
@@ -52,31 +52,29 @@ struct FrameContact {
     double depth = 0; ///< world units
 };
 
-/// What became of a pose sequence.
+/// The result of WriteFrames.
 struct SequenceReport {
-    std::size_t frames = 0; ///< that were written, or taken
-    double difference = 0;  ///< of shapes for each pose, mixed, from the frames: the largest of a vertex; world units
-    bool converged = true;  ///< whether all came to rest
-    bool jumps = false, unstable = false; ///< any, as PoseWay tells
-    /// As Deformer::DiscretisationError gives it, of the frame that is bent most (has most energy, Eq. 2): a solution
-    /// of its own, once, and not in each frame.
+    std::size_t frames = 0; ///< frames that were made, and key frames between them
+    double difference = 0;  ///< with EachPose: largest distance of a vertex, mixed, from the frame, world units
+    bool converged = true;  ///< all poses
+    bool jumps = false, unstable = false; ///< any pose, as of PoseWay
+    /// Deformer::DiscretisationError of the pose with most energy (Eq. 2). Only of that, since it takes another
+    /// solution.
     double discretisationError = 0;
-    Index folded = 0; ///< flipped triangles, in the frame that has most
-    /// As SurfaceContact tells of each frame, where there is any; looked for in no more than contactUnasked faces, or
-    /// where DeformationParam::contact asks.
+    Index folded = 0; ///< flipped triangles, the most of a pose
+    /// The frames with contact. Looked for with DeformationParam::contact, or in at most contactUnasked faces.
     std::vector<FrameContact> contacts;
 
-    std::size_t MostContact() const; ///< triangles, in the frame that has most
-    double ContactDepth() const;     ///< at most
-    std::string ContactText() const; ///< a sentence with the count of each such frame; empty without any
+    std::size_t MostContact() const; ///< triangles, the most of a frame
+    double ContactDepth() const;     ///< the largest, world units
+    std::string ContactText() const; ///< a sentence with the frames with contact; empty without any
 };
 
-/// Solves the frames of a pose sequence, one from the other, and writes them, no more than one at a time in memory (but
-/// for shapes of each pose, which stay there in single precision). Frames have the same bits whatever else is made.
-/// \param surface at rest, that \p deformer was prepared from with \p handles; the motions of these are not read
-/// \param motions of the handle tags in each of the poses, in the world
-/// \throw BadInput what is wrong with sequence, rate or motions, or a file that would be too large, or nothing to do
-/// \throw Unsolvable \throw Cancelled
+/// Solves the frames of a pose sequence, each from the one before, and makes the outputs. Only one frame is in memory
+/// at a time; with EachPose also all poses, in single precision. The bits of a frame do not depend on other outputs.
+/// \param surface, handles from which \p deformer was prepared; motions of handles are not read \param motions of the
+/// handle tags in each pose, world units \throw BadInput sequence, rate or motions are wrong, a file would be too
+/// large, or there is nothing to make \throw Unsolvable \throw Cancelled
 SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, const Deformer &deformer,
                            const PoseSequence &sequence, const std::vector<std::map<int, Motion>> &motions,
                            const DeformationParam &param, const SequenceOutput &output, const Progress &progress = {});

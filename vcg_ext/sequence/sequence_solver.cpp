@@ -33,8 +33,8 @@ HeldMotions SequenceSolver::MotionsOf(const std::vector<double> &weight) const {
         blended.motion[tag] = Blend(motions, world * middle);
     }
     HeldMotions held = deformer.MotionsOf(blended, 100);
-    // What no pose turns goes as the surface does; what one does turn keeps its own turn while that is 0, so that
-    // nothing jumps where it begins.
+    // Handles that no pose turns follow the surface's turn. Others keep their own turn, also while it is 0, so that
+    // nothing jumps when it begins.
     held.rotates = turns;
     return held;
 }
@@ -45,7 +45,7 @@ const Deformer::Pose &SequenceSolver::Go(const std::vector<double> &weight, cons
         last.reset();
     if (!last)
         lastWeight.assign(weight.size(), 0);
-    const auto way = [&](int step, int steps) {
+    const auto motionsAt = [&](int step, int steps) {
         if (step == steps)
             return end;
         std::vector<double> between = weight;
@@ -53,7 +53,7 @@ const Deformer::Pose &SequenceSolver::Go(const std::vector<double> &weight, cons
             between[i] = lastWeight[i] + (weight[i] - lastWeight[i]) * step / steps;
         return MotionsOf(between);
     };
-    last = deformer.SolveAlong(way, param, last ? &*last : nullptr, progress);
+    last = deformer.SolveAlong(motionsAt, param, last ? &*last : nullptr, progress);
     lastWeight = weight;
     return *last;
 }

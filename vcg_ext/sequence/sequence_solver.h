@@ -10,21 +10,22 @@
 
 namespace vcg::fcd {
 
-/// Poses of a prepared surface, blended by weights; each is solved from the one before.
+/// Blends poses of a prepared surface by weights. Each blend is solved from the one before.
 class SequenceSolver {
   public:
-    /// Refers to \p deformer. \param world from mesh units to the world \param pose of each pose, the motions of handle
-    /// tags, in the world \param param as the deformer was prepared with; param.pose is not read
-    /// \throw BadInput when the deformer has point handles
+    /// \param deformer must outlive this
+    /// \param world mesh units to the world \param pose motions of handle tags in each pose, world units \param param
+    /// as the deformer was prepared with; param.pose is not read \throw BadInput the deformer has point handles
     SequenceSolver(const Deformer &deformer, const Eigen::Affine3d &world, std::vector<std::map<int, Motion>> pose,
                    const DeformationParam &param);
 
-    /// How what is held moves, as Blend tells. \param weight of each pose, percent
-    /// \throw BadInput a motion by more than 1e30 times the mesh, or one that is not finite
+    /// The blended motions of held regions (Blend).
+    /// \param weight of each pose, percent \throw BadInput a motion by more than 1e30 times the mesh, or one that is
+    /// not finite
     HeldMotions MotionsOf(const std::vector<double> &weight) const;
 
-    /// The pose of these weights, reached from the one before, or from rest; with as many poses between as it needs.
-    /// That without a motion is rest, to the bit. \throw Unsolvable \throw Cancelled; the one before is then kept
+    /// Solves the pose of these weights, from the one before or from rest, with as many poses between as it needs.
+    /// Without a motion, it is rest, to the bit. \throw Unsolvable \throw Cancelled the last pose is then kept
     const Deformer::Pose &Go(const std::vector<double> &weight, const Progress &progress = {});
 
     /// Begins at rest again.

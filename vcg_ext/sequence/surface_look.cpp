@@ -28,13 +28,13 @@ PackedSurface::PackedSurface(const SurfaceView &surface, const SurfaceLook &look
     assert(!hasFaceColors || look.faceColor.size() == surface.faces);
     if (corner.empty() || (!hasPlaces && !hasFaceColors))
         return;
-    std::vector<std::uint32_t> face; // that are written
+    std::vector<std::uint32_t> face; // of each triangle that is written
     face.reserve(corner.size() / 3);
     detail::ForItems(surface.faces, progress, [&](std::size_t f) {
         if (surface.IsFace(f))
             face.push_back(std::uint32_t(f));
     });
-    const auto placeBits = [&](std::uint32_t c) { // two numbers; one that is none is equal to itself
+    const auto placeBits = [&](std::uint32_t c) { // u and v as bits: a NaN equals itself
         std::uint64_t bits;
         std::memcpy(&bits, &look.place[2 * std::size_t(c)], sizeof bits);
         return bits;
@@ -44,7 +44,7 @@ PackedSurface::PackedSurface(const SurfaceView &surface, const SurfaceLook &look
                (!hasFaceColors || look.faceColor[a / 3] == look.faceColor[b / 3]);
     };
     wedge.assign(slot.size(), SurfaceView::none);
-    std::vector<std::uint32_t> next(slot.size(), SurfaceView::none); // vertex of the same slot
+    std::vector<std::uint32_t> next(slot.size(), SurfaceView::none); // next vertex of the same slot
     detail::ForItems(corner.size(), progress, [&](std::size_t c) {
         const auto own = std::uint32_t(3 * std::size_t(face[c / 3]) + c % 3);
         std::uint32_t at = corner[c];
@@ -62,7 +62,7 @@ PackedSurface::PackedSurface(const SurfaceView &surface, const SurfaceLook &look
         corner[c] = at;
     });
 
-    // The triangles of each texture together, those without one first, in their order.
+    // Sorts triangles by texture, stable, those without one first.
     const auto placeOf = [&](std::uint32_t f) { return std::size_t(std::ptrdiff_t(look.TextureOf(f)) + 1); };
     std::vector<std::size_t> count(look.image.size() + 1, 0);
     detail::ForItems(face.size(), progress, [&](std::size_t i) { ++count[placeOf(face[i])]; });

@@ -18,7 +18,7 @@ Eigen::Matrix3Xd NodesOf(const RegionDeformer &deformer, const ToWorld &toWorld)
 
 namespace {
 
-/// What comes back along the line from beyond its end, where \p before is, is still beyond, if by nothing.
+/// Keeps \p s beyond an end of the line if its neighbour's \p before is, at least by the least number.
 double StillBeyond(const FramedLine &line, double before, double s) {
     if (before < 0)
         return std::min(s, std::nextafter(0.0, -1.0));
@@ -32,7 +32,7 @@ std::vector<double> PlacesAlong(const FramedLine &line, const Csr &adjacency, co
     std::vector<double> place(std::size_t(k), 0);
     std::vector<char> isKnown(std::size_t(k), 0);
     struct Offer {
-        bool isBeyond; // an end of the line
+        bool isBeyond; // beyond an end of the line
         double distance;
         Index node;
         double s;
@@ -50,7 +50,8 @@ std::vector<double> PlacesAlong(const FramedLine &line, const Csr &adjacency, co
     for (Index j = 0; j < k; ++j)
         first.push_back(offer(j, 0, line.Length(), 0));
     std::sort(first.begin(), first.end(), [](const Offer &a, const Offer &b) { return b > a; });
-    // The nearest node of each component first; then on from there, the nearest next, and what is beyond the ends last.
+    // Begins at the nearest node of each component. Then the nearest neighbour is next; those beyond the ends come
+    // last.
     std::priority_queue<Offer, std::vector<Offer>, std::greater<>> queue;
     for (const Offer &each : first) {
         if (!isKnown[std::size_t(each.node)])
@@ -90,7 +91,7 @@ std::vector<LineSample> SamplesAlong(const FramedLine &line, const RegionDeforme
             samples.push_back(
                 {u, 0, double(surface.nodeArea[u]), toWorld(surface.graph.position.col(u).cast<double>())});
     if (std::all_of(samples.begin(), samples.end(), [](const LineSample &each) { return !(each.weight > 0); }))
-        for (LineSample &each : samples) // points that stand for no area
+        for (LineSample &each : samples) // points without an area
             each.weight = 1;
     ParallelFor(progress, "Following the line", samples.size(), 256, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)

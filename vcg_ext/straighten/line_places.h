@@ -9,33 +9,33 @@
 #include <vector>
 
 /// \file
-/// Where along a line the places of a surface are.
+/// Finds the arc length s along a line for points of a surface.
 
 namespace vcg::fcd::detail {
 
-/// Longer than this or shorter than its inverse, edges do not get by a bend.
+/// The largest stretch of an edge by a bend; its inverse is the smallest.
 constexpr double mostStretch = 2;
 
-/// The nodes of the deformation graph, 3 x k, in the world.
+/// The nodes of the deformation graph, 3 x k, world units.
 Eigen::Matrix3Xd NodesOf(const RegionDeformer &deformer, const ToWorld &toWorld);
 
-/// The places of the nodes of a graph along a line: each next to those of its neighbours, so that what is near another
-/// part of the line is told from that. \param position 3 x k, in the units of the line
+/// The s of each node of a graph. It is searched near those of its neighbours, so that nodes close to another part of
+/// the line do not jump there. \param position 3 x k, units of the line \return k values; below 0 or above the length
+/// beyond an end
 std::vector<double> PlacesAlong(const FramedLine &line, const Csr &adjacency, const Eigen::Matrix3Xd &position);
 
-/// The place along a line of \p p, which is at or beside \p node of the surface.
-/// \param place of each node of the deformation graph
+/// The s of \p p, a point at or beside \p node of the surface. \param place s of each node of the deformation graph
 double PlaceNear(const FramedLine &line, const RegionDeformer &deformer, const ToWorld &toWorld,
                  const std::vector<double> &place, Index node, const Eigen::Vector3d &p);
 
-/// A place of the surface.
+/// A sample of the surface.
 struct LineSample {
     Index node;         ///< of the surface
-    double s, weight;   ///< along the line; area around it, or 1 where no node has any
-    Eigen::Vector3d at; ///< in the world
+    double s, weight;   ///< along the line; area around it, or 1 if no node has an area
+    Eigen::Vector3d at; ///< world units
 };
 
-/// \param place of each node of the deformation graph \param count about so many, however many vertices there are
+/// Samples of the surface. \param place s of each node of the deformation graph \param count about so many
 /// \throw Cancelled
 std::vector<LineSample> SamplesAlong(const FramedLine &line, const RegionDeformer &deformer, const ToWorld &toWorld,
                                      const std::vector<double> &place, Index count, const Progress &progress);

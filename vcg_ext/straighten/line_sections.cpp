@@ -12,8 +12,8 @@ namespace vcg::fcd::detail {
 
 namespace {
 
-/// A mean of values around each of them, by the weights that come with them and a Gaussian.
-/// \param sigma in values \return NaN where no weight is near
+/// Means of values around each of them, by their weights and a Gaussian. \param sum values times weights \param sigma
+/// in items \return NaN if no weight is near
 template <class Value>
 std::vector<Value> Blurred(const std::vector<Value> &sum, const std::vector<double> &weight, double sigma) {
     const int n = int(sum.size()), reach = int(3 * sigma) + 1;
@@ -31,11 +31,11 @@ std::vector<Value> Blurred(const std::vector<Value> &sum, const std::vector<doub
     return mean;
 }
 
-using Complex = std::complex<double>; // across a line: along the two axes
+using Complex = std::complex<double>; // a vector across a line, by the frame's two axes
 double LengthOf(const Complex &z) { return std::sqrt(std::norm(z)); }
 double AngleOf(const Complex &z) { return ArcTangent(z.imag(), z.real()); }
 
-/// Samples within the line. \param take is called with each, the frame of its place, and where it is across
+/// Calls take(sample, frame, offset across) for each sample beside the line.
 template <class Take>
 void ForSamples(const RegionDeformer &deformer, const Eigen::Affine3d &world, const FramedLine &line, Index count,
                 const Progress &progress, const Take &take) {
@@ -50,10 +50,10 @@ void ForSamples(const RegionDeformer &deformer, const Eigen::Affine3d &world, co
     }
 }
 
-/// Over how much of a line the middle of the cross-sections around each bin is told, in bins: as far as the surface is
-/// from it. So a plane that stands a bit askew in a wide part has nearly all of that around, and the middle does not
-/// follow what it lacks to one side; beside that part it falls off as fast as one gets away from there.
-/// \param reach of each bin, in bins \param least of them
+/// The length of the line over which the middle of each bin's cross-section is averaged, in bins: the distance of the
+/// surface from the line. So a plane that is slightly tilted in a wide part averages over nearly all of that part, and
+/// the middle is not drawn to one side. Beside a wide part, scales fall by half of the distance. \param reach distance
+/// of the surface at each bin, in bins \param least scale
 std::vector<double> ScalesOf(std::vector<double> reach, double least) {
     for (double &each : reach)
         each = std::clamp(each, least, mostSmoothing * double(reach.size()));
@@ -64,13 +64,13 @@ std::vector<double> ScalesOf(std::vector<double> reach, double least) {
     return reach;
 }
 
-/// What lies around bins, by a Gaussian as wide as the scale of each.
+/// Local fits around each bin, weighed by a Gaussian as wide as its scale.
 class Around {
   public:
     explicit Around(std::vector<double> scale) : scale(std::move(scale)) {}
 
-    /// The line of least squares through values, where each bin is, so that nothing is drawn in at the ends.
-    /// \param sum 3 x bins, of values by their weights \return 3 x bins, NaN where no weight is near
+    /// The value at each bin of a straight line fitted to the values around (a mean would draw in the ends). \param sum
+    /// 3 x bins, values times weights \return 3 x bins, NaN if no weight is near
     Eigen::Matrix3Xd Fitted(const Eigen::Matrix3Xd &sum, const std::vector<double> &weight) const {
         Eigen::Matrix3Xd found(3, sum.cols());
         const int n = int(sum.cols());
@@ -89,13 +89,13 @@ class Around {
             }
             const double spread = second - first * first / total;
             found.col(b) = all / total;
-            if (spread > total) // in more than a bin or two
+            if (spread > total) // else weights lie in one or two bins: the mean
                 found.col(b) -= first / total / spread * (slope - first / total * all);
         }
         return found;
     }
 
-    /// The parabola of least squares through points, where each bin is: bends that are wide against the scale keep
+    /// The value at each bin of a parabola fitted to the points around: bends that are wide against the scale keep
     /// their radius, also at the ends.
     Eigen::Matrix3Xd Smooth(const Eigen::Matrix3Xd &points) const {
         Eigen::Matrix3Xd found(3, points.cols());
@@ -154,10 +154,10 @@ double StretchAlong(const RegionDeformer &deformer, const Eigen::Affine3d &world
 
 Eigen::Matrix3Xd MiddleOf(const RegionDeformer &deformer, const Eigen::Affine3d &world, const FramedLine &given,
                           const Progress &progress) {
-    const std::size_t bins = 512; // narrower than thick, up to what is hundreds of times as long as thick
+    const std::size_t bins = 512; // narrower than the body is thick, up to hundreds of times as long
     FramedLine line = given;
     Eigen::Matrix3Xd points;
-    // Each time, the planes of the cross-sections stand better across the body.
+    // In each round, the planes of the cross-sections are more at right angles to the body.
     const int rounds = 6;
     for (int round = 0; round < rounds; ++round) {
         std::vector<Complex> sum(bins, 0);
@@ -166,7 +166,7 @@ Eigen::Matrix3Xd MiddleOf(const RegionDeformer &deformer, const Eigen::Affine3d 
         double thick = 0, all = 0;
         ForSamples(deformer, world, line, 200000, progress.Slice(double(round) / rounds, double(round + 1) / rounds),
                    [&](const LineSample &its, const FramedLine::Frame &frame, const Complex &across) {
-                       // At the outer side of a bend there is more surface to a stretch of the line.
+                       // On the outer side of a bend there is more surface for each length of the line.
                        const double w =
                            its.weight / std::max(1 / mostStretch, 1 - frame.bend.dot(its.at - frame.point));
                        const auto bin = std::size_t(its.s / line.Length() * double(bins));
@@ -176,11 +176,11 @@ Eigen::Matrix3Xd MiddleOf(const RegionDeformer &deformer, const Eigen::Affine3d 
                        thick += w * LengthOf(across);
                        all += w;
                    });
-        // A body tells its middle no finer than it is thick; of finer wiggles its cross-sections would make more.
+        // The middle has no detail finer than the body is thick: cross-sections would amplify finer wiggles.
         const double part = std::min(mostSmoothing, std::max(0.5 * thick / (all * line.Length()), 1 / double(bins)));
         for (const auto &[bin, across] : places)
             reach[bin] = std::max(reach[bin], LengthOf(across - sum[bin] / weight[bin]) / line.Length() * double(bins));
-        // What is finer in the line than cross-sections are large goes; then what they are off from it is added.
+        // Smooths the line at the scale of the cross-sections, then adds their middles' offsets.
         const Around around(ScalesOf(reach, part * double(bins)));
         Eigen::Matrix3Xd on(3, Eigen::Index(bins)), off(3, Eigen::Index(bins));
         std::vector<FramedLine::Frame> frames;
@@ -204,7 +204,7 @@ Eigen::Matrix3Xd MiddleOf(const RegionDeformer &deformer, const Eigen::Affine3d 
         points.resize(3, Eigen::Index(found.size()) + 2);
         for (std::size_t i = 0; i < found.size(); ++i)
             points.col(Eigen::Index(i) + 1) = found[i];
-        const Eigen::Index last = points.cols() - 1; // half a stretch more at the ends
+        const Eigen::Index last = points.cols() - 1; // half a bin more at the ends
         points.col(0) = 1.5 * points.col(1) - 0.5 * points.col(2);
         points.col(last) = 1.5 * points.col(last - 1) - 0.5 * points.col(last - 2);
         line = FramedLine(points, part);
@@ -215,7 +215,7 @@ Eigen::Matrix3Xd MiddleOf(const RegionDeformer &deformer, const Eigen::Affine3d 
 }
 
 LineMotion::TwistAt TwistOf(const RegionDeformer &deformer, const Eigen::Affine3d &world, const FramedLine &line) {
-    constexpr std::size_t bins = 128; // some hundred samples each
+    constexpr std::size_t bins = 128; // about 150 samples each
     struct Section {
         double weight = 0;
         Complex sum = 0, square = 0;
@@ -230,7 +230,7 @@ LineMotion::TwistAt TwistOf(const RegionDeformer &deformer, const Eigen::Affine3
                    its.square += each.weight * z * z;
                    its.round += each.weight * std::norm(z);
                });
-    // Twice the angle of the longest axis is that of the second moment, which is as long as that axis is plain.
+    // The complex second moment has twice the angle of the longest axis; its length tells how distinct that axis is.
     std::vector<Complex> moment;
     double plain = 0, all = 0;
     for (const Section &its : section) {
@@ -239,7 +239,7 @@ LineMotion::TwistAt TwistOf(const RegionDeformer &deformer, const Eigen::Affine3
         plain += LengthOf(moment.back());
         all += its.round - its.weight * std::norm(middle);
     }
-    if (!(plain > 0.1 * all)) // axes of 10 : 9, which scans of something round have by chance
+    if (!(plain > 0.1 * all)) // axes of 10 : 9, as scans of round bodies have by chance
         throw BadInput("The cross-sections are as good as round, so they have no longest axis that tells how they are "
                        "twisted. Leave the twist as it is.");
     std::vector<double> angle, weight;
@@ -250,14 +250,14 @@ LineMotion::TwistAt TwistOf(const RegionDeformer &deformer, const Eigen::Affine3
         weight.push_back(LengthOf(each));
         angle.push_back(weight.back() * last / 2);
     }
-    std::vector<double> smooth = Blurred(angle, weight, 2); // triangles make steps
-    // Where there is no surface, the angle is that before, or the first one.
+    std::vector<double> smooth = Blurred(angle, weight, 2); // without the steps of triangles
+    // Bins without surface have the angle before them, or the first one.
     const auto known = [](double each) { return std::isfinite(each); };
     last = *std::find_if(smooth.begin(), smooth.end(), known);
     for (double &each : smooth)
         last = each = known(each) ? each : last;
     const double step = line.Length() / double(bins);
-    const auto at = [smooth, step](double s) { // cubics between the bins' middles
+    const auto at = [smooth, step](double s) { // cubics between the middles of the bins
         const double x = std::clamp(s / step - 0.5, 0.0, double(bins) - 1);
         const std::size_t i = std::min(std::size_t(x), bins - 2);
         const auto slope = [&](std::size_t k) {

@@ -6,28 +6,28 @@
 #include <vcg_ext/line/line_motion.h>
 
 /// \file
-/// What the cross-sections of a surface along a line tell.
+/// Measures the cross-sections of a surface along a line.
 
 namespace vcg::fcd::detail {
 
-/// Points of the line through the middles of the cross-sections along \p line, as long as it. \param world the matrix
-/// of the layer \param line in the world, on the surface, in it or beside it
-/// \return 3 x n, in the world \throw BadInput where there is hardly a cross-section \throw Cancelled
+/// The line through the middles of the cross-sections along \p line, for its whole length. \param world mesh units to
+/// the world \param line world units; on the surface, in it or beside it \return points, 3 x n, world units
+/// \throw BadInput there are too few cross-sections \throw Cancelled
 Eigen::Matrix3Xd MiddleOf(const RegionDeformer &deformer, const Eigen::Affine3d &world, const FramedLine &line,
                           const Progress &progress = {});
 
-/// How far the surface is from a line, root mean square over its area, in the world. 0 where none is beside the line.
+/// The rms distance of the surface from a line, over its area, world units; 0 if no surface is beside the line.
 double ThicknessAlong(const RegionDeformer &deformer, const Eigen::Affine3d &world, const FramedLine &line,
                       const Progress &progress = {});
 
-/// How much a surface is stretched along a line when that becomes straight: the mean square of the logarithm, over its
-/// area. Least for a line through the middle of what was bent; a line that wiggles, or lies to one side, stretches
-/// more.
+/// How much a surface is stretched along a line that becomes straight: the mean square of the logarithm of the stretch,
+/// over its area. It is least for a line through the middle of a bent body; lines that wiggle or lie to one side
+/// stretch more.
 double StretchAlong(const RegionDeformer &deformer, const Eigen::Affine3d &world, const FramedLine &line,
                     const Progress &progress = {});
 
-/// What takes the twist of a surface about a line out: the longest axes of the cross-sections turn to where that in the
-/// middle is. \throw BadInput where the cross-sections are so round that they have none
+/// The twist that undoes that of a surface about a line: it turns the longest axis of each cross-section to that in the
+/// middle. \throw BadInput the cross-sections are too round
 LineMotion::TwistAt TwistOf(const RegionDeformer &deformer, const Eigen::Affine3d &world, const FramedLine &line);
 
 } // namespace vcg::fcd::detail

@@ -41,7 +41,7 @@ GraphPose HalfPose(const DeformationGraph &graph, const GraphPose &full) {
         }
         entries.emplace_back(j, j, sum);
     }
-    // Each part is in the middle of where it is at rest and in the pose: one node of it is held, and all of it shifted.
+    // One node of each connected part is held. Afterwards the part is shifted to the middle between rest and pose.
     std::vector<Index> part;
     const Index parts = ConnectedComponents(adjacency, part);
     std::vector<char> isHeld(std::size_t(parts), 0);

@@ -7,13 +7,14 @@
 
 namespace vcg::fcd {
 
-/// Half of the way of a pose: neither the rest shape nor the pose is nearer. \param full its linear maps may stretch
+/// The shape half-way from rest to a pose. \param full the pose; its linear maps may stretch \throw Unsolvable the
+/// system cannot be factorised
 ///
-/// The middle of the positions is not that: what turns by an angle would shrink by the cosine of its half. Instead,
-/// each edge of the graph is the mean of what it is at rest and in the pose, both turned to half of the rotation in
-/// between; the positions are those that the edges fit best (least squares), in the middle of both as a whole. Of a
-/// rotation or a bend it is the one by half of the angle, of a shear by t that by t / 2. Half of the way back is the
-/// same shape: so where the pose is the mirror image, half of the way is its own mirror image. \throw Unsolvable
+/// The mean of the positions would shrink what turns, by the cosine of half the angle. Instead, each edge of the graph
+/// is the mean of its vectors at rest and in the pose, both turned to half of the rotation between them. Positions fit
+/// these edges best (least squares), and each connected part is centred between rest and pose. Half of a rotation or a
+/// bend is that by half of the angle; half of a shear by t is that by t / 2. From the pose to rest, half-way is the
+/// same shape: if the pose is the mirror image, it is its own mirror image.
 GraphPose HalfPose(const DeformationGraph &graph, const GraphPose &full);
 
 } // namespace vcg::fcd

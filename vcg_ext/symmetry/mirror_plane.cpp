@@ -9,9 +9,9 @@
 
 namespace vcg::fcd {
 
-MirrorPlane PlaneOf(const MirrorPairs &pairs, const std::vector<double> &weight, bool &isTold) {
-    // Mirrored about a place c on the plane, p is |p - q|^2 + 4 (n (p - c)) (n (q - c)) from q, squared; the sum is
-    // least where c is the mean of the middles of all pairs.
+MirrorPlane PlaneOf(const MirrorPairs &pairs, const std::vector<double> &weight, bool &isUnique) {
+    // With c on the plane, the squared distance of p's mirror image from q is |p - q|^2 + 4 (n (p - c)) (n (q - c)).
+    // The sum is least if c is the mean of the pairs' middles.
     double sum = 0;
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     const auto weightOf = [&](std::size_t i) { return weight.empty() ? 1 : weight[i]; };
@@ -20,7 +20,7 @@ MirrorPlane PlaneOf(const MirrorPairs &pairs, const std::vector<double> &weight,
         middle += 0.5 * weightOf(i) * (pairs[i].first + pairs[i].second);
     }
     MirrorPlane plane;
-    isTold = false;
+    isUnique = false;
     if (!(sum > 0))
         return plane;
     middle /= sum;
@@ -33,31 +33,32 @@ MirrorPlane PlaneOf(const MirrorPairs &pairs, const std::vector<double> &weight,
     plane.point = middle;
     plane.normal = eigen.Vectors().col(0);
     const double most = eigen.values.cwiseAbs().maxCoeff();
-    isTold = eigen.values[1] - eigen.values[0] > 1e-6 * most; // more than rounding leaves
+    isUnique = eigen.values[1] - eigen.values[0] > 1e-6 * most; // more than rounding
     return plane;
 }
 
 namespace {
 
-// Directions that are tried: 13 degrees from each other, so that one is within 7 of any plane; matching finds it from
-// 20 degrees away where a shape is not round.
+// Number of directions that are tried: about 10 degrees apart, so that one is within about 8 degrees of any. Unless a
+// shape is round, matching finds the plane from 20 degrees away.
 constexpr int directions = 200;
-constexpr std::size_t few = 300, tried = 10; // places that tell which to try, and how many of them are tried at least
-constexpr int steps = 60;                    // of matching, at most
-constexpr double rest = 1e-5;                // a step that turns and shifts it by less has arrived
-// Two planes are the same one when their normals are nearer than this: 15 degrees for those to start from, 5 for those
-// at rest, which are then as far from each other as a shear may turn them.
+constexpr std::size_t few = 300, tried = 10; // points that are matched; least number of directions to match from
+constexpr int steps = 60;                    // of matching at most
+constexpr double rest = 1e-5;                // a plane rests if a step turns (radians) and shifts it by less in sum
+// Cosines above which two normals are of the same plane: 15 degrees before matching, 5 after it, as much as a shear may
+// turn them.
 constexpr double sameStart = 0.966, sameAtRest = 0.996;
-// A plane whose misfit is so many times that of the best one may be the right one, before and after matching: the best
-// one may be a chance where what was bent fits nowhere well, or a round shape fits nearly everywhere.
-constexpr double nearly = 2.5, asGood = 1e-4; // nearer than this, of the diagonal, both are as good as perfect
+// Planes with up to so many times the misfit of the best one are kept, before and after matching. A bent shape fits
+// nowhere well and a round one nearly everywhere, so the best may be so by chance.
+constexpr double nearly = 2.5, asGood = 1e-4; // a misfit below asGood, over the diagonal, is as good as none
 
 struct Mirrored {
     std::vector<double> far;
     MirrorPairs pairs;
 };
 
-/// The mirror image of places, and what is nearest to it; farther where that looks to another side.
+/// Matches the mirror images of points with the nearest ones of the surface. Distances count three times if normals
+/// point to opposite sides.
 Mirrored MatchIn(const MirrorPlane &plane, const std::vector<Eigen::Vector3d> &points,
                  const std::vector<Eigen::Vector3d> &normal, const FitTarget &surface, unsigned threads) {
     Mirrored all;
@@ -75,7 +76,7 @@ Mirrored MatchIn(const MirrorPlane &plane, const std::vector<Eigen::Vector3d> &p
     return all;
 }
 
-/// The distance that four fifths of them are within.
+/// The distance within which four fifths are.
 double MostOf(std::vector<double> far) {
     const auto at = far.begin() + std::ptrdiff_t(4 * far.size() / 5);
     std::nth_element(far.begin(), at, far.end());
@@ -98,9 +99,9 @@ Candidate AtRest(MirrorPlane plane, const std::vector<Eigen::Vector3d> &points,
             const double part = 1 - far * far / (4 * width * width);
             weight.push_back(part > 0 ? part * part : 0);
         }
-        bool isTold;
-        MirrorPlane next = PlaneOf(all.pairs, weight, isTold);
-        if (!isTold)
+        bool isUnique;
+        MirrorPlane next = PlaneOf(all.pairs, weight, isUnique);
+        if (!isUnique)
             break;
         if (next.normal.dot(plane.normal) < 0)
             next.normal = -next.normal;
@@ -144,7 +145,7 @@ std::vector<MirrorPlane> FindPlanes(const std::vector<Eigen::Vector3d> &points,
         return std::any_of(list.begin(), list.end(),
                            [&](const Candidate &b) { return std::abs(a.plane.normal.dot(b.plane.normal)) > same; });
     };
-    std::vector<Candidate> best; // those that are best, and no neighbours of better ones
+    std::vector<Candidate> best; // without neighbours of better ones
     for (const Candidate &each : all)
         if ((best.size() < tried || each.misfit <= nearly * all[0].misfit) && !isAmong(best, each, sameStart))
             best.push_back(each);
@@ -153,10 +154,10 @@ std::vector<MirrorPlane> FindPlanes(const std::vector<Eigen::Vector3d> &points,
                          progress.Slice(0.3 + 0.7 * double(i) / double(best.size()), 1));
     std::stable_sort(best.begin(), best.end(), isBetter);
     std::vector<MirrorPlane> planes;
-    std::vector<Candidate> told; // starts may come to rest in one plane
+    std::vector<Candidate> kept; // several starts may come to rest in one plane
     for (const Candidate &each : best)
-        if (each.misfit <= nearly * std::max(best[0].misfit, asGood) && !isAmong(told, each, sameAtRest)) {
-            told.push_back(each);
+        if (each.misfit <= nearly * std::max(best[0].misfit, asGood) && !isAmong(kept, each, sameAtRest)) {
+            kept.push_back(each);
             planes.push_back(each.plane);
         }
     return planes;

@@ -11,7 +11,7 @@
 
 namespace vcg::fcd {
 
-/// A plane that one side is the mirror image of the other in.
+/// A mirror plane; units of the points.
 struct MirrorPlane {
     Eigen::Vector3d point = Eigen::Vector3d::Zero();   ///< on it
     Eigen::Vector3d normal = Eigen::Vector3d::UnitX(); ///< of length 1
@@ -23,24 +23,22 @@ struct MirrorPlane {
     Eigen::Vector3d Onto(const Eigen::Vector3d &p) const { return p - Above(p) * normal; }
 };
 
-/// Two places that belong to each other's mirror image; a place on the plane belongs to itself.
+/// Pairs of points that mirror each other; a point on the plane is its own partner.
 using MirrorPairs = std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>>;
 
-/// The plane in which the mirror image of each place is nearest to its partner, least squares.
-/// \param weight of each pair; empty: 1 \param isTold out: false where they leave open which, as two places do that
-/// are their own partners
-MirrorPlane PlaneOf(const MirrorPairs &pairs, const std::vector<double> &weight, bool &isTold);
+/// The plane that mirrors points nearest to their partners (least squares). \param weight of each pair; empty: 1
+/// \param isUnique out: false if several planes do, as for two points that are their own partners
+MirrorPlane PlaneOf(const MirrorPairs &pairs, const std::vector<double> &weight, bool &isUnique);
 
-/// The planes in which a surface is most like its own mirror image, the best first, one at least: of many directions,
-/// those that are best are brought to rest by matching the mirror image with the surface (as in iterative closest
-/// points), the nearest four fifths of it. Only those are told that are nearly as good as the best one.
-/// \param points, normal of the surface, all over it; 0 where a normal is not known \param surface itself
-/// \throw Cancelled
+/// The planes in which a surface is most like its own mirror image: at least one, the best first, then those nearly as
+/// good. Tries many directions. From the best ones, matches the mirror image with the surface (iterative closest
+/// points, robust weights) until it rests. The misfit is the mean distance of the nearest four fifths. \param points,
+/// normal samples all over the surface; a normal is 0 if unknown \param surface itself \throw Cancelled
 std::vector<MirrorPlane> FindPlanes(const std::vector<Eigen::Vector3d> &points,
                                     const std::vector<Eigen::Vector3d> &normal, const FitTarget &surface,
                                     const Progress &progress = {});
 
-/// Every so many of a list, about \p wanted.
+/// About \p wanted items of a list, evenly chosen.
 template <class T>
 std::vector<T> Some(const std::vector<T> &all, std::size_t wanted) {
     std::vector<T> some;

@@ -26,7 +26,7 @@ Eigen::VectorXd SmoothWarp::Basis(const Eigen::Vector3d &p, Eigen::MatrixX3d *sl
     if (curvature)
         curvature->resize(n, 6);
     const int degree = power.empty() ? 0 : power.back().z();
-    // Powers of a coordinate, and their derivatives.
+    // Powers of the coordinates.
     std::vector<Eigen::Vector3d> to(std::size_t(degree) + 1, Eigen::Vector3d::Ones());
     for (std::size_t d = 1; d < to.size(); ++d)
         to[d] = to[d - 1].cwiseProduct(u);
@@ -65,7 +65,7 @@ Eigen::Matrix3d SmoothWarp::LinearAt(const Eigen::Vector3d &p) const {
 
 Eigen::Vector3d SmoothWarp::Back(const Eigen::Vector3d &p, const Eigen::Vector3d &near) const {
     Eigen::Vector3d x = near;
-    for (int step = 0; step < 20; ++step) { // each doubles the digits that are right
+    for (int step = 0; step < 20; ++step) { // each step doubles the correct digits
         const Eigen::Vector3d off = At(x) - p;
         x -= LinearAt(x).partialPivLu().solve(off);
         if (!(off.norm() > 1e-14))
@@ -76,13 +76,13 @@ Eigen::Vector3d SmoothWarp::Back(const Eigen::Vector3d &p, const Eigen::Vector3d
 
 namespace {
 
-// Of the diagonal: what moves by less has arrived. A tenth of what a good fit is off by.
+// The largest move of a step at rest, over the diagonal: a tenth of the error of a good fit.
 constexpr double still = 1e-5;
-constexpr int mostSteps = 40; // of each degree; it mostly comes to rest in 10 to 20
-// The weight of a match along the surface, beside that across it: in the beginning, where the surface lies in the wrong
-// place along itself, and later.
+constexpr int mostSteps = 40; // of each degree; mostly, 10 to 20 are enough
+// The weight of a match along the surface, over that across it. At first it is larger, since the surface is shifted
+// along itself.
 constexpr double alongFirst = 0.1, along = 0.001;
-// Cosines of the angle between two normals: less is another side; more is the same one.
+// Cosines between two normals: below the first, sides differ; above the second, they agree.
 constexpr double anotherSide = 0.3, sameSide = 0.7;
 
 double MedianOf(std::vector<double> values) {
@@ -97,7 +97,7 @@ bool HasSides(const Eigen::Vector3d &normal, const WarpMatch &match) {
     return !match.normal.isZero(0) && !normal.isZero(0);
 }
 
-/// How much both look to the same side, [0, 1].
+/// How much both normals agree, [0, 1].
 double SideOf(const Eigen::Vector3d &normal, const WarpMatch &match) {
     if (!HasSides(normal, match))
         return 1;
@@ -105,11 +105,11 @@ double SideOf(const Eigen::Vector3d &normal, const WarpMatch &match) {
     return std::clamp((cosine - anotherSide) / (sameSide - anotherSide), 0.0, 1.0);
 }
 
-// A match that is so often as far as its way back is another's, as in FitMatches.
+// A match so many times farther than the place nearest to it belongs to the other side, as in FitMatches.
 constexpr double mostDetour = 2;
 
-/// Leaves out what is matched with the other side of a thin part. Normals tell the sides; where the target's do not
-/// know which is which, something else of the surface is nearer to the place there.
+/// Leaves out matches with the other side of a thin part. If the target's normals are not oriented, this shows by
+/// another place of the surface that is much nearer to the match.
 void LeaveOutDetours(const std::vector<Eigen::Vector3d> &at, const std::vector<WarpMatch> &match,
                      const std::vector<double> &far, unsigned threads, std::vector<double> &share) {
     if (std::all_of(match.begin(), match.end(), [](const WarpMatch &each) { return each.isOriented; }))
@@ -132,7 +132,7 @@ class NormalEquations {
     explicit NormalEquations(Eigen::Index n)
         : n(n), matrix(Eigen::MatrixXd::Zero(3 * n, 3 * n)), right(Eigen::VectorXd::Zero(3 * n)) {}
 
-    /// The form in C b - way.
+    /// Adds (C b - way)^T form (C b - way).
     void Add(const Eigen::Matrix3d &form, const Eigen::VectorXd &b, const Eigen::Vector3d &way) {
         const Eigen::Vector3d pull = form * way;
         for (int i = 0; i < 3; ++i) {
@@ -149,7 +149,7 @@ class NormalEquations {
     void Add(double weight, const Eigen::MatrixXd &square) { matrix += weight * square; }
     Eigen::Matrix3Xd Solution() const {
         Eigen::MatrixXd whole = matrix;
-        whole.diagonal().array() += 1e-12 * matrix.trace() / double(3 * n); // what nothing tells stays
+        whole.diagonal().array() += 1e-12 * matrix.trace() / double(3 * n); // coefficients without data stay 0
         const Eigen::VectorXd x = whole.selfadjointView<Eigen::Lower>().ldlt().solve(right);
         return Eigen::Map<const Eigen::MatrixX3d>(x.data(), n, 3).transpose();
     }
@@ -181,7 +181,7 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *r
     SmoothWarp warp;
     std::vector<Eigen::Vector3d> at = goal.place, normal = goal.normal;
     std::vector<WarpMatch> match(places);
-    std::vector<double> far(places), share(places), found; // share: how much each match counts, apart from its distance
+    std::vector<double> far(places), share(places), found; // share: weight of each match, without the robust one
     for (int degree = 1; degree <= goal.degree; ++degree) {
         warp = SmoothWarp(middle, radius, degree);
         const Eigen::Index n = warp.Size();
@@ -191,13 +191,13 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *r
         for (std::size_t s = 0; s < places; ++s) {
             Eigen::Matrix<double, Eigen::Dynamic, 6> curvature;
             basis[s] = warp.Basis(goal.place[s], &slope[s], &curvature);
-            for (int k = 0; k < 6; ++k) // mixed ones are twice in the sum of all
+            for (int k = 0; k < 6; ++k) // mixed derivatives appear twice
                 for (Eigen::Index c = 0; c < n; ++c)
                     bending.col(c) += ((k < 3 ? 1 : 2) / double(places) * curvature(c, k)) * curvature.col(k);
         }
         const bool hasStrain = std::isfinite(goal.typicalStrain);
         Eigen::MatrixXd strain = Eigen::MatrixXd::Zero(hasStrain ? 3 * n : 0, hasStrain ? 3 * n : 0);
-        for (std::size_t s = 0; s < places && hasStrain; ++s) // the square of the symmetric part of C times the slopes
+        for (std::size_t s = 0; s < places && hasStrain; ++s) // the squared symmetric part of C slope
             for (int i = 0; i < 3; ++i)
                 for (int k = 0; k < 3; ++k)
                     for (Eigen::Index c = 0; c < n; ++c) {
@@ -244,8 +244,8 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *r
                 sums.Add(goal.landmarkWeight * std::max(counted, 1.0) / double(goal.from.size()) *
                              Eigen::Matrix3d::Identity(),
                          warp.Basis(goal.from[l]), goal.to[l] - goal.from[l]);
-            // As likely as noise of that width is bending by a radian over the diagonal (a maximum a posteriori
-            // estimate); so is strain. In the first steps all is farther off, and bends less.
+            // Maximum a posteriori: typical bending is as likely as noise of this width, and so is typical strain. In
+            // the first steps the width is larger, and the warp bends less.
             sums.AddBending(width * width / (goal.typicalBending * goal.typicalBending), bending);
             if (hasStrain)
                 sums.Add(width * width / (goal.typicalStrain * goal.typicalStrain), strain);

@@ -12,28 +12,28 @@
 
 namespace vcg::fcd {
 
-/// A smooth deformation of space: x -> x + C b(x), where b are the products of coordinates up to a degree. What a whole
-/// shape has been through, such as a shear, a bend or a press, is one of low degree; nothing local is.
+/// A smooth deformation of space: x -> x + C b(x), where b are the monomials of x, y, z up to a degree. Low degrees
+/// describe what happens to a whole shape, such as a shear, a bend or a press, but nothing local.
 class SmoothWarp {
   public:
-    SmoothWarp() = default; ///< moves nothing
-    /// \param middle, radius of the places it is for, so that these have coordinates of some 1
+    SmoothWarp() = default; ///< the identity
+    /// The identity, of a degree. \param middle, radius of the points it is for: scale their coordinates to about 1
     SmoothWarp(const Eigen::Vector3d &middle, double radius, int degree);
 
     Eigen::Vector3d At(const Eigen::Vector3d &p) const;
     Eigen::Matrix3d LinearAt(const Eigen::Vector3d &p) const; ///< its derivative
-    /// Where it comes from, by Newton's method. \param near a place near that
+    /// The inverse, by Newton's method. \param near a first guess
     Eigen::Vector3d Back(const Eigen::Vector3d &p, const Eigen::Vector3d &near) const;
 
-    /// b at a place. \param slope if given: its derivatives, 3 columns \param curvature if given: its second ones by
-    /// xx, yy, zz, xy, yz, zx, 6 columns
+    /// b at a point. \param slope if not null, out: first derivatives, Size() x 3 \param curvature if not null, out:
+    /// second derivatives by xx, yy, zz, xy, yz, zx
     Eigen::VectorXd Basis(const Eigen::Vector3d &p, Eigen::MatrixX3d *slope = nullptr,
                           Eigen::Matrix<double, Eigen::Dynamic, 6> *curvature = nullptr) const;
-    Eigen::Index Size() const { return coefficient.cols(); } ///< of b
+    Eigen::Index Size() const { return coefficient.cols(); } ///< number of monomials
 
     Eigen::Matrix3Xd coefficient;
 
-    /// All that it is. \param take gets the fields
+    /// Calls take with all fields, for saving and reading.
     template <class Take>
     void Fields(const Take &take) {
         take(power, middle, radius, coefficient);
@@ -45,42 +45,43 @@ class SmoothWarp {
     double radius = 1;
 };
 
-/// What a place of a surface is drawn to.
+/// The counterpart of a place on a surface.
 struct WarpMatch {
     Eigen::Vector3d point;
-    Eigen::Vector3d normal = Eigen::Vector3d::Zero(); ///< of length 1; 0 where it is not known
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero(); ///< of length 1; 0 if unknown
     bool isOriented = false;                          ///< the normal points outwards
-    double weight = 1;                                ///< how much it counts, [0, 1]
+    double weight = 1;                                ///< [0, 1]
 };
 
-/// Places of a surface, and what they are to be taken to; lengths in units of its diagonal.
+/// The data of a fit: places on a surface, and their counterparts. Lengths in units of its diagonal.
 struct WarpGoal {
     std::vector<Eigen::Vector3d> place, normal; ///< normals of length 1, or 0
     std::vector<double> weight;                 ///< of each place
-    /// The counterpart of a place that was taken there. Called from any thread.
+    /// The counterpart of a place that is now at \p at. Called from several threads.
     std::function<WarpMatch(std::size_t place, const Eigen::Vector3d &at)> match;
     std::vector<Eigen::Vector3d> from, to; ///< landmarks
-    double landmarkWeight = 1;             ///< of all of them, beside that of all places
+    double landmarkWeight = 1;             ///< of all landmarks together, over that of all matches
     int degree = 3;
-    double typicalBending = 1; ///< of what was warped, radians over the diagonal: what the data leave open bends less
-    double typicalStrain = std::numeric_limits<double>::infinity(); ///< the same of lengths, as a part of them
-    double farthest = std::numeric_limits<double>::infinity();      ///< a match that is farther does not count
-    double noise = 1e-5;                                            ///< at least, however near the matches are
-    double expected = 0; ///< nearer than this, a match is no outlier, however near the others are
+    double typicalBending = 1; ///< expected bending, radians over the diagonal: less is preferred, so far as data allow
+    double typicalStrain =
+        std::numeric_limits<double>::infinity();               ///< expected change of lengths, a fraction; the same
+    double farthest = std::numeric_limits<double>::infinity(); ///< farther matches do not count
+    double noise = 1e-5;                                       ///< least noise that is assumed
+    double expected = 0;                                       ///< least distance at which a match may be an outlier
 };
 
-/// How a warp lies on what it was fitted to.
+/// How well a warp fits.
 struct WarpReport {
-    double misfit = 0;         ///< mean distance of the nearest four fifths
-    std::vector<double> share; ///< of each place: how much its match counts, [0, 1]
+    double misfit = 0;         ///< mean distance of the nearest four fifths of the matches
+    std::vector<double> share; ///< weight of each place's match, [0, 1]
 };
 
-/// The warp that takes places onto their counterparts, which are found anew in each step, from stiff (degree 1) to
-/// soft: point to plane, with robust weights (Geman and McClure 1987). The more noise is left, the less it bends.
-/// \throw Cancelled
+/// Finds the warp that takes places onto their counterparts, from stiff (degree 1) to soft. Each step matches anew, and
+/// minimises distances point to plane, with robust weights (Geman and McClure 1987). The more noise is left, the less
+/// the warp bends. \throw Cancelled
 SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress = {}, WarpReport *report = nullptr);
 
-/// The mean over the least four fifths.
+/// The mean of the smallest four fifths.
 double MeanOfMost(std::vector<double> far);
 
 } // namespace vcg::fcd
