@@ -8,22 +8,21 @@
 #include <QKeyEvent>
 #include <QString>
 
-/// What the keys of a tool do in its view: one table, so that the keys, the tool tips and the page of keys say the
-/// same.
+/// What the keys of a tool do in its view. Keys, tool tips and the page of keys come from this one table.
 class ActionTable {
   public:
     struct Row {
         int action;            ///< as the tool numbers them
-        const char *keys;      ///< one, or several with a bar between
+        const char *keys;      ///< one, or several separated by bars
         const char *text = ""; ///< for the page of keys
     };
     ActionTable(std::initializer_list<Row> rows) : rows(rows) {}
 
-    /// What a key does, null if it is not in the table.
+    /// The row of a key, null if it has none.
     const Row *of(const QKeyEvent &event) const;
-    /// A tool tip with the keys of an action after it.
+    /// A tool tip that ends with the keys of an action.
     QString withKeys(const QString &tip, int action) const;
-    /// The page of keys, HTML. \param more rows of it, keys and texts
+    /// The page of keys, HTML. \param more additional rows: keys and texts
     QString page(const std::vector<std::pair<QString, QString>> &more) const;
 
   private:

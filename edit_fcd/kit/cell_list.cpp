@@ -39,7 +39,7 @@ class CellList::Model : public QAbstractTableModel {
     Qt::ItemFlags flags(const QModelIndex &index) const override {
         return Qt::ItemIsEnabled | Qt::ItemIsSelectable | (at(index).typed ? Qt::ItemIsEditable : Qt::NoItemFlags);
     }
-    /// What becomes of it is told by what is shown next.
+    /// Only signals the edit: the next showRows() shows its result.
     bool setData(const QModelIndex &index, const QVariant &value, int) override {
         list.isTold = value.toString() != at(index).typed;
         if (list.isTold)
@@ -54,7 +54,7 @@ class CellList::Model : public QAbstractTableModel {
             rows.resize(shown.size());
             endRemoveRows();
         }
-        if (after > before) // what is there stays, with what a person does to it
+        if (after > before) // other rows stay, with an open editor
             beginInsertRows({}, before, after - 1);
         rows = std::move(shown);
         if (after > before)

@@ -12,13 +12,13 @@
 /// A column of a list.
 struct ListColumn {
     QString title, tip;
-    int width; ///< pixels; 0: what the others leave
+    int width; ///< pixels; 0: the rest of the width
 };
 
 struct ListCell {
     QString text, tip;
-    std::optional<QString> typed;  ///< how a person edits it; none: it is not edited
-    std::optional<bool> isChecked; ///< with a box
+    std::optional<QString> typed;  ///< the text in its editor; none: it cannot be edited
+    std::optional<bool> isChecked; ///< of its box; none: no box
     QColor color;                  ///< of a square before the text; invalid: none
     bool isCentered = false;
 
@@ -29,8 +29,8 @@ struct ListCell {
     }
 };
 
-/// A list in a panel: shows rows of cells, of which one is selected, and tells what a person does with them; a double
-/// click edits. What it shows is what it was given last: an edit that was refused is seen to be.
+/// A list in a panel, with one selected row. It signals clicks and edits (by a double click), and always shows what
+/// showRows() got last: so a refused edit disappears.
 class CellList : public QTableView {
     Q_OBJECT
 
@@ -38,13 +38,13 @@ class CellList : public QTableView {
     using Row = std::vector<ListCell>;
 
     CellList(const std::vector<ListColumn> &columns, int height, QWidget *parent);
-    /// \param selected row, -1: none; null: as it is \return false: a cell is edited, and nothing else is shown
+    /// \param selected row; -1: none; null: as before \return false: a cell is being edited, so nothing changes
     bool showRows(std::vector<Row> rows, const std::optional<int> &selected = {});
 
   signals:
     void cellClicked(int row, int column);
     void cellEdited(int row, int column, QString text);
-    void editLeft(); ///< without a change
+    void editLeft(); ///< an editor was closed without a change
 
   protected:
     void closeEditor(QWidget *editor, QAbstractItemDelegate::EndEditHint hint) override;
@@ -53,7 +53,7 @@ class CellList : public QTableView {
     class Model;
     Model *cells;
     std::optional<int> selection;
-    bool isTold = false; ///< what was edited
+    bool isTold = false; ///< cellEdited() was sent for the open editor
 };
 
 #endif

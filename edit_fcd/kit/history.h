@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-/// The states before and after the present one. Each change begins with begin().
+/// Undo and redo of a state. Call begin() before each change.
 template <class State>
 class History {
   public:
@@ -15,20 +15,20 @@ class History {
 
     void begin(const State &now) {
         if (!before.empty() && before.back() == now)
-            return; // nothing came of the last
+            return; // the last change changed nothing
         before.push_back(now);
         if (before.size() > most)
             before.erase(before.begin());
         after.clear();
     }
-    // Each makes \p now another state. \return whether it did
+    // Both set \p now. \return whether there was another state
     bool undo(State &now) {
         while (!before.empty() && before.back() == now)
             before.pop_back();
         return step(before, after, now);
     }
     bool redo(State &now) { return step(after, before, now); }
-    /// Takes back what was done since the last begin(), without a redo.
+    /// Takes back the changes since the last begin(), without a redo.
     bool cancel(State &now) {
         if (before.empty())
             return false;
@@ -36,7 +36,7 @@ class History {
         before.pop_back();
         return true;
     }
-    /// Forgets states before the present one. \param isGone of a state
+    /// Forgets earlier states for which \p isGone.
     template <class IsGone>
     void forget(const IsGone &isGone) {
         before.erase(std::remove_if(before.begin(), before.end(), isGone), before.end());

@@ -5,7 +5,7 @@
 
 namespace {
 
-thread_local JobRunner *running = nullptr; // a callback of progress knows nothing but its arguments
+thread_local JobRunner *running = nullptr; // for tell(), which only gets a percentage
 
 } // namespace
 
@@ -16,9 +16,9 @@ void JobRunner::begin(Work work, Ended ended) {
     thrown = nullptr;
     const auto end = [this, number = last, ended = std::move(ended)] {
         if (number != last)
-            return; // it was stopped
+            return; // the job was stopped
         thread.join();
-        if (!thrown && isCancelled) // after it had looked for the last time
+        if (!thrown && isCancelled) // after the job had last checked
             thrown = std::make_exception_ptr(vcg::fcd::Cancelled());
         ended(std::exchange(thrown, nullptr));
     };

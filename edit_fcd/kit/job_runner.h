@@ -11,22 +11,22 @@
 
 #include <QObject>
 
-/// One job at a time, beside the window, whose end is told in a turn of the window's loop.
+/// Runs one job at a time in the background, and reports its end in the window's event loop.
 class JobRunner {
   public:
     using Work = std::function<void(const vcg::fcd::Progress &)>;
-    /// What a job has thrown, vcg::fcd::Cancelled among it; null: it came to its end.
+    /// Gets what the job threw (vcg::fcd::Cancelled if it was cancelled), or null.
     using Ended = std::function<void(std::exception_ptr)>;
 
-    /// \param owner has this, and goes with it
+    /// \param owner owns this; \a ended is called in its thread
     explicit JobRunner(QObject *owner) : owner(owner) {}
     ~JobRunner() { stop(); }
     JobRunner(const JobRunner &) = delete;
     JobRunner &operator=(const JobRunner &) = delete;
 
-    /// Stops what runs, and begins. \param ended called by the owner's thread, unless it was stopped; throws nothing
+    /// Stops the running job, and begins another. \param ended not called if the job is stopped; throws nothing
     void begin(Work work, Ended ended);
-    void stop(); ///< cancels it, and waits until it has ended
+    void stop(); ///< cancels the job and waits for its end
     void cancel() { isCancelled = true; }
     explicit operator bool() const { return thread.joinable(); }
     int percent() const { return told; }
@@ -36,7 +36,7 @@ class JobRunner {
     static bool tell(int percent, const char *stage);
 
     QObject *owner;
-    std::size_t last = 0; ///< number of what runs
+    std::size_t last = 0; ///< number of the job
     std::atomic<int> told{0};
     std::atomic<bool> isCancelled{false};
     std::exception_ptr thrown;

@@ -73,7 +73,7 @@ void LayerTool::enterView() {
     view->installEventFilter(this);
     when(view.data(), &QObject::destroyed, [this](QObject *) { close(); });
     view->setFocus();
-    // The host takes a layer for changed as soon as a tool has begun with it.
+    // The host marks a layer as changed as soon as a tool begins: undo that.
     later([this, layer = layerId, isChanged = model->meshModified()] {
         MeshModel *same = view && view->md() && layer == layerId ? view->md()->getMesh(layer) : nullptr;
         if (same)
@@ -114,7 +114,7 @@ void LayerTool::chooseSession(bool load) {
         say("Loaded the session " + file.toStdString() + ". It has " + describe(contents));
         return;
     }
-    keepShown(); // as one that goes finds it
+    keepShown();
     showVertices(true);
     const SessionContents contents = saveSession(*model, file);
     say("Saved the session as " + file.toStdString() + ". It has " + describe(contents) + " Save the layer, too.");
@@ -129,7 +129,7 @@ void LayerTool::applyToNewLayer(const std::function<void()> &apply, bool goesOn)
         showVertices(true);
         throw;
     }
-    // The host shows new layers when a tool ends, and they have no buffers before that.
+    // The host makes the buffers of new layers when the tool ends.
     close();
     later([this, goesOn] {
         action->trigger();

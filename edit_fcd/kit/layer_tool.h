@@ -19,66 +19,66 @@
 
 struct SessionContents;
 
-/// A tool with a panel that works on the current layer of a view: how it begins and ends there.
+/// A tool with a panel that works on the current layer of a view.
 class LayerTool : public HostEditTool {
     Q_OBJECT
 
   public:
     explicit LayerTool(QAction *action) : action(action) {}
     void end() override { close(); }
-    /// What is a warning is the panel's hint, too.
+    /// Writes to the log; a warning is also the panel's hint.
     void say(const std::string &text, bool warning = false) final;
     /// Takes keys before the host's shortcuts do.
     bool eventFilter(QObject *object, QEvent *event) final;
 
   protected:
-    // What the host's loop calls is guarded, since what it throws would end the program: all slots of a tool are
-    // connected by when(), and what is done in another turn of the loop begins by later() or every().
+    // An exception in the host's event loop would end the program. So tools connect their slots by when(), and do later
+    // work by later() or every(), which catch it.
 
-    /// Does \p slot whenever \p sender says \p signal, with all that it says.
+    /// Connects \p signal of \p sender with \p slot.
     template <class Sender, class Signal, class Slot>
     void when(const Sender *sender, Signal signal, Slot slot) {
         connect(sender, signal, this, [this, slot](auto... what) { this->guarded([&] { slot(what...); }); });
     }
-    /// Does \p work once what is going on is done.
+    /// Does \p work in the next turn of the event loop.
     void later(const std::function<void()> &work);
-    /// Does \p work each time that \p timer ends, in the place of what it did; the timer stops where that fails.
+    /// Does \p work, and nothing else, at each timeout of \p timer. The timer stops if it fails.
     void every(QTimer &timer, const std::function<void()> &work);
 
-    /// What is sent to the view while the tool has a layer. \return whether it is taken, which the view does not get
+    /// Gets the view's events while the tool has a layer. \return whether the view must not get the event
     virtual bool takesEvent(QEvent &event) = 0;
-    /// What was begun is taken back or kept, as the tool has it, and leaveView() called.
+    /// Ends what was begun, and calls leaveView().
     virtual void close() = 0;
     virtual void showVertices(bool full) = 0;
-    virtual void refresh() = 0; ///< the panel shows what there is
+    virtual void refresh() = 0; ///< updates the panel
     virtual void showHint() = 0;
-    /// Whether there is a layer to work on; begins anew with one that something else has changed.
+    /// Whether there is a layer to work on. If something else changed it, begins anew.
     virtual bool isReady() = 0;
-    virtual void keepShown() = 0; ///< what the layer shows is what a filter, and a file, finds
-    /// What is known of the layer is that of a file. \throw vcg::fcd::Error; all is then as it was
+    virtual void keepShown() = 0; ///< makes the shown shape the one that filters and files find
+    /// Takes the state of the layer from a file. \throw vcg::fcd::Error nothing has changed
     virtual SessionContents takeSession(const QString &file) = 0;
-    virtual void forgetDocument() = 0; ///< which is gone, with all that was left of its layers
-    /// A step of what moves with the mouse: one a painted frame, since the mouse moves more often.
+    virtual void forgetDocument() = 0; ///< the document is gone: forgets its layers
+    /// Makes a step of what follows the mouse. Called once for each painted frame, since the mouse moves more often.
     virtual void step() = 0;
     void requestStep();
     void takeStep();
-    /// What is shown is painted, and seen as it is now.
+    /// Call as painting begins: takes the camera, and marks the shown shape as painted.
     void beginDraw();
 
-    /// The tool gets what happens to the view, and ends with it. \pre it has entered a layer
+    /// From now on the tool gets the view's events, and ends with the view. \pre it has entered a layer
     void enterView();
-    /// \param panel goes; may be null
+    /// \param panel is deleted; may be null
     void leaveView(QDockWidget *panel);
     void enterLayer(MeshModel &newModel);
-    /// Calls \p apply, which adds layers, and ends. \param goesOn with the new layer
+    /// Calls \p apply, which adds layers, and ends the tool. \param goesOn begin anew with the new layer
     void applyToNewLayer(const std::function<void()> &apply, bool goesOn);
 
-    /// Asks for a file, and saves what is known of the layer, or loads it.
+    /// Asks for a file, and saves the state of the layer to it, or loads it.
     void chooseSession(bool load);
 
-    /// The tool has a view of a document, and lets go of what it had of another one.
+    /// Takes a view of a document, and forgets another document.
     void enterDocument(MeshDocument &newDocument, GLArea *area);
-    /// Of layers that were left, by their number, those that are gone take what was done to them along.
+    /// Erases the sessions of layers that are gone. \param left by the number of the layer
     template <class Session>
     void forgetGone(std::map<int, Session> &left) const {
         for (auto each = left.begin(); each != left.end();)
@@ -90,16 +90,16 @@ class LayerTool : public HostEditTool {
     QPointer<MeshDocument> document;
     QPointer<GLArea> view;
     int layerId = -1;
-    MeshModel *model = nullptr; ///< of the session; may be gone
+    MeshModel *model = nullptr; ///< of the session; may be deleted already
     std::unique_ptr<DisplayState> display;
     std::unique_ptr<LayerOverlay> overlay;
-    bool isEnding = false; ///< done, and about to be told so
+    bool isEnding = false; ///< the tool is done, and the host will end it
     Camera seen;
     QPointF mouse;
-    QString hint;             ///< what could not be done, until the next press or key
-    bool isSuspended = false; ///< the mouse is the camera's until Esc
-    bool isCamera = false;    ///< a button is held that is the camera's
-    bool isPainted = true;    ///< what the layer shows
+    QString hint;             ///< what could not be done; shown until the next press or key
+    bool isSuspended = false; ///< the mouse moves the camera until Esc
+    bool isCamera = false;    ///< a pressed button moves the camera
+    bool isPainted = true;    ///< the shown shape was painted
     bool isStepWanted = false;
 };
 

@@ -22,7 +22,7 @@ std::optional<double> typedNumber(const QString &text) {
 
 namespace {
 
-/// An area that scrolls up and down alone.
+/// An area that scrolls vertically only.
 QScrollArea *scrolled(QWidget *content) {
     auto *area = named(new QScrollArea, "", "");
     area->setWidget(content);

@@ -20,21 +20,21 @@
 #include <QVBoxLayout>
 
 /// \file
-/// What the panels of the tools have in common.
+/// Parts of the tools' panels.
 
-/// A number that a person has typed, with a point or a comma before its decimals; none where it is not one.
+/// A typed number, with a decimal point or comma; none if it is no number.
 std::optional<double> typedNumber(const QString &text);
 
-/// A field for a number that takes a comma before its decimals as a point.
+/// A field for a number, with a decimal point or comma.
 class NumberBox : public QDoubleSpinBox {
   public:
-    NumberBox() { setLocale(QLocale::c()); } // whose comma would stand between thousands
+    NumberBox() { setLocale(QLocale::c()); }
     QValidator::State validate(QString &input, int &place) const override {
         return QDoubleSpinBox::validate(input.replace(',', '.'), place);
     }
 };
 
-/// A field for a whole number: one with decimals is what it was before. (QSpinBox makes 15 of 1,5.)
+/// A field for a whole number. If decimals are typed, it keeps its value. (QSpinBox makes 15 of 1,5.)
 class CountBox : public QSpinBox {
   public:
     CountBox() { setKeyboardTracking(false); }
@@ -54,18 +54,16 @@ Widget *named(Widget *widget, const QString &name, const QString &tip) {
     return widget;
 }
 
-/// The panel of a tool: a head that stays, which ends with what is said of the tool's state, and below it a content
-/// that is scrolled up and down alone.
+/// The panel of a tool: a fixed head, which ends with the tool's state, and below it a content that scrolls vertically.
 class ToolPanel : public QDockWidget {
   public:
-    /// \param margin above and below, \param spacing between things: pixels
+    /// \param margin above and below \param spacing between widgets, both in pixels
     ToolPanel(const QString &title, const char *name, int margin, int spacing, QWidget *parent);
-    /// What is said has a height of its own, so that nothing moves under the mouse while the text changes; a longer
-    /// text is scrolled.
+    /// Shows the state, in a fixed height, so that nothing moves under the mouse. A longer text scrolls.
     void showState(const QString &said);
 
   protected:
-    /// Once head and content are there. \param height of what is said of the state, pixels
+    /// Call once head and content are complete. \param height of the state's text, pixels
     void finish(int height);
 
     QVBoxLayout *head, *content;
@@ -75,10 +73,10 @@ class ToolPanel : public QDockWidget {
     QLabel *text;
 };
 
-/// Calls \p begins before a slider changes what it is for, once for each way of it, and \p changes with each value.
+/// Calls \p begins once before a slider is moved, and \p changes with each value.
 void connectSlider(QSlider &slider, const std::function<void()> &begins, const std::function<void(int)> &changes);
 
-/// A button with a menu: what is known of a layer is saved to a file, or loaded. \param what that is, for the tip
+/// A button with a menu, to save or load the state of a layer. \param what its contents, for the tip
 QPushButton *sessionButton(const QString &what, const std::function<void(bool load)> &chosen);
 
 #endif

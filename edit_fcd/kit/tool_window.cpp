@@ -66,7 +66,7 @@ void dockPanel(GLArea &view, QDockWidget &panel) {
 
 QString fileToSave(GLArea &view, const QString &title, const QString &kinds, const QStringList &endings) {
     QString file;
-    for (;;) { // of what is really written, not of what was typed
+    for (;;) { // until the name with its ending is confirmed
         file =
             QFileDialog::getSaveFileName(view.window(), title, file, kinds, nullptr, QFileDialog::DontConfirmOverwrite);
         const bool isNamed = std::any_of(endings.begin(), endings.end(),

@@ -10,27 +10,26 @@
 #include <QStringList>
 
 /// \file
-/// What the tools have to do with the window that they are in.
+/// The tools' dealings with the host's window.
 
-/// How the world is seen. \pre the context of the view is current, and has the transformation of the world
+/// The present camera. \pre the context of the view is current, and has the transformation of the world
 Camera viewNow();
-/// Where the middle of a pixel of the view is, in pixels of the device, y up; depth 0.
+/// The middle of a pixel of the view, in pixels of the device, y up; depth 0.
 Eigen::Vector3d windowOf(const GLArea &view, const Camera &seen, const QPointF &place);
 
-/// Hands an event on to the view, past the tool.
+/// Passes an event to the view, past the tool.
 void toHost(GLArea &view, QEvent *event);
-/// Hands an event of the mouse on to the camera, as one of the left button where it is of the right one.
+/// Passes an event of the mouse to the camera; the right button counts as the left one.
 void toCamera(GLArea &view, QMouseEvent *event);
 
-/// Shows a panel at the left of the window of a view, as long as the view's document is seen: its buttons act on that.
+/// Docks a panel at the left of a view's window. It is shown while the view's document is, on which its buttons act.
 void dockPanel(GLArea &view, QDockWidget &panel);
 
-/// Asks for a file to write. \param kinds as QFileDialog takes them \param endings that its name may have: another one
-/// gets the first of them, and where that file exists, whether to replace it is asked \return empty where it is
-/// cancelled
+/// Asks for a file to write, and whether to replace it if it exists. \param kinds as of QFileDialog \param endings
+/// allowed; a name with another one gets the first \return empty if it was cancelled
 QString fileToSave(GLArea &view, const QString &title, const QString &kinds, const QStringList &endings);
 
-/// Tells where things of a panel are, for tests that drive it by a script.
+/// Traces the places of a panel's widgets, for tests that drive it by a script.
 void tracePlaces(QWidget &panel);
 
 #endif

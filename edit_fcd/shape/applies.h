@@ -27,8 +27,7 @@ inline bool goBackTo(const MeshDocument &document, MeshModel &layer, std::uint64
     return true;
 }
 
-/// The first apply, of so many, from which on the shapes before are kept. \param shapeBefore(i) the shape before apply
-/// i
+/// The first apply from which on all rest shapes are kept. \param shapeBefore(i) the shape before apply i
 template <class ShapeBefore>
 std::size_t firstKept(MeshModel &layer, std::size_t applies, const ShapeBefore &shapeBefore) {
     if (applies == 0 || !RestShape::exists(layer))

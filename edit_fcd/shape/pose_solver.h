@@ -28,7 +28,7 @@ class PoseSolver {
     void prepare(const Tags &tags, const Param &param, const vcg::fcd::SurfaceView &surface,
                  const Eigen::Affine3d &world, const vcg::fcd::Progress &progress = {});
     const Prepared *prepared() const { return deformer.prepared().get(); }
-    /// Where a filter finds what is prepared here.
+    /// The prepared deformer, for filters.
     PreparedLayers &preparedLayers() { return kept; }
     void clear();
 
@@ -50,7 +50,7 @@ class PoseSolver {
   private:
     PreparedLayers kept;
     LayerDeformer deformer;
-    Tags preparedFor; ///< null: for nothing
+    Tags preparedFor; ///< null: not prepared
     Param preparedParam;
     std::optional<vcg::fcd::Deformer::Pose> last;
     std::unique_ptr<vcg::fcd::SequenceSolver> blends; ///< while an animation is played

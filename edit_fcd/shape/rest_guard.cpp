@@ -76,7 +76,7 @@ RestGuard::Shown RestGuard::shown() const {
 
 void RestGuard::restore() {
     if (!fits())
-        return; // another mesh by now
+        return;
     restoreVertices();
     for (std::size_t f = 0; f < faceNormal.size(); ++f)
         layer.cm.face[f].N() = faceNormal[f];
@@ -92,6 +92,6 @@ void RestGuard::know() {
 bool RestGuard::isAsKnown() const {
     if (shape != shapeOf(layer.cm))
         return false;
-    // A host computes the normals of faces when it likes: with other weights they are some tenths of a degree off.
+    // The host may recompute normals at any time, with other weights: some tenths of a degree off.
     return shownNormals == normalsOf(layer.cm) || (layer.cm.fn > 0 && !hasOtherNormals(layer, 1, 0.01));
 }

@@ -7,14 +7,14 @@
 #include <string>
 
 /// \file
-/// The filter call that makes in a script what was made here.
+/// Writes the filter call with which a script repeats what a tool did.
 
 // Values as Python has them.
 std::string inPython(bool value);
 std::string inPython(int value);
 std::string inPython(float value);
 std::string inPython(double value);
-std::string inPython(const char *value) = delete; // which would be a bool
+std::string inPython(const char *value) = delete; // it would become a bool
 std::string inPython(const std::string &value);
 std::string inPython(const Eigen::Vector3d &value);
 
@@ -27,7 +27,7 @@ class ScriptCall {
         text += std::string(", ") + name + "=" + inPython(value);
         return *this;
     }
-    /// Nothing where that is the usual value.
+    /// Adds nothing if it is the usual value.
     template <class T>
     ScriptCall &with(const char *name, const T &value, const T &usual) {
         return value != usual ? with(name, value) : *this;

@@ -10,19 +10,18 @@
 #include <vector>
 
 /// \file
-/// What of the world a brush or an outline covers in a window. All coordinates are those of the window: pixels of the
-/// device, y up.
+/// Brushes and outlines in a window. All coordinates are window coordinates: pixels of the device, y up.
 
-/// Depths of the window as it is drawn, from its lowest row on, from 0 to 1.
+/// The depths of the drawn window, [0, 1], row by row from the lowest.
 std::vector<float> depthOf(GLArea &view, const Camera &seen);
 
-/// Whether places of the world are in a part of the window, and seen there.
+/// Tells whether points are visible in a part of the window.
 class SeenPart {
   public:
     using IsIn = std::function<bool(const Eigen::Vector2d &)>;
 
-    /// All of these must outlive it. \param depth as depthOf gives it; empty: what is hidden is as good
-    /// \param diagonal of the layer, world units: a place a hair of it behind what is seen is seen as well
+    /// All arguments must outlive it. \param depth from depthOf; empty: hidden points count, too \param diagonal of the
+    /// layer, world units: points 0.5 % of it behind the visible surface are visible
     SeenPart(const Camera &seen, const IsIn &isIn, const std::vector<float> &depth, double diagonal)
         : seen(seen), isIn(isIn), depth(depth), hair(0.005 * diagonal) {}
     bool has(const Eigen::Vector3d &p) const;
@@ -36,7 +35,7 @@ class SeenPart {
     const double hair;
 };
 
-/// Those of so many vertex slots that \p isSeen says yes to, ascending.
+/// The slots below \p count for which \p isSeen, ascending.
 template <class IsSeen>
 std::vector<std::size_t> slotsThat(std::size_t count, const IsSeen &isSeen) {
     using vcg::fcd::Index;
@@ -49,9 +48,9 @@ std::vector<std::size_t> slotsThat(std::size_t count, const IsSeen &isSeen) {
 
 /// Draws a polygon in the window.
 void drawOutline(const Camera &seen, const std::vector<Eigen::Vector2d> &polygon);
-/// How many pixels a brush has once the wheel has made steps, one at least for each.
+/// The size of a brush after steps of the wheel, pixels; each step changes it by one at least.
 int brushAfter(int pixels, double steps);
-/// Draws how far a brush reaches.
+/// Draws the outline of a brush.
 void drawBrush(const Camera &seen, const Eigen::Vector2d &place, double radius);
 
 #endif

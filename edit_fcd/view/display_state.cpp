@@ -5,8 +5,8 @@ using Names = MLRenderingData::ATT_NAMES;
 
 namespace {
 
-// Of a layer whose normals and buffers of faces take about 3 ms, a quarter of a step (two cores; 270 000 faces take
-// 16).
+// Up to so many faces, normals and buffers of faces take about 3 ms, a quarter of a step (two cores; 270 000 take 16
+// ms).
 const int mostFaces = 50000;
 
 } // namespace

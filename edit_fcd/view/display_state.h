@@ -6,8 +6,8 @@
 
 #include <optional>
 
-/// How a layer is shown in a view while it is bent: as the user has chosen. Only large layers with flat shading are
-/// shaded by vertex while they move, which needs a third of the buffers.
+/// The display of a layer in a view while a tool has it. It stays as the user chose. Only large layers with flat
+/// shading are shaded by vertex while they move, which needs a third of the buffers.
 class DisplayState {
   public:
     DisplayState(GLArea &view, const MeshModel &layer) : view(view), layer(layer) {}
@@ -17,9 +17,9 @@ class DisplayState {
     /// The layer is going to move; rest() ends that.
     void move();
     void rest();
-    /// Whether normals of faces are seen.
+    /// Whether the display uses normals of faces.
     bool showsFaces() const;
-    /// Takes the layer's positions and normals. \param faces also those of faces
+    /// Updates the buffers of positions and normals. \param faces also normals of faces
     void updateShape(bool faces);
 
   private:
@@ -27,7 +27,7 @@ class DisplayState {
 
     GLArea &view;
     const MeshModel &layer;
-    std::optional<MLRenderingData> atRest; ///< while the layer is shown in another way
+    std::optional<MLRenderingData> atRest; ///< the user's choice, while the display is another one
 };
 
 #endif

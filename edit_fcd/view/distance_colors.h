@@ -4,9 +4,9 @@
 
 #include <layer_fcd/meshlab_host.h>
 
-/// The colour of a distance, of the largest that is shown: from blue by green and yellow to red.
+/// The colour of a distance, from blue by green and yellow to red. \param part of the largest distance shown
 vcg::Color4b colorOfDistance(double part);
-/// What has no counterpart.
+/// The colour of vertices without a counterpart.
 vcg::Color4b colorOfNoCounterpart();
 
 #endif

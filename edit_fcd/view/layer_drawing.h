@@ -9,25 +9,25 @@
 
 #include <QOpenGLBuffer>
 
-/// The vertices of a layer that are drawn, in the order in which they are first asked for.
+/// Numbers the vertices of a layer that are drawn, in the order in which they are first asked for.
 class DrawnVertices {
   public:
     explicit DrawnVertices(std::size_t count) : place(count, none) {}
 
-    /// The place of a vertex among them. \param i its slot
+    /// The number of the vertex at slot \p i.
     std::uint32_t operator()(std::size_t i);
     bool has(std::size_t i) const { return place[i] != none; }
-    /// There are none. Costs as much as those that there were.
+    /// Forgets all; takes time for these only.
     void clear();
 
-    std::vector<std::uint32_t> slot; ///< of each
+    std::vector<std::uint32_t> slot; ///< of each drawn vertex
 
   private:
     static constexpr std::uint32_t none = std::uint32_t(-1);
     std::vector<std::uint32_t> place; // one per vertex slot
 };
 
-/// Makes a buffer hold values, and none the one that is bound.
+/// Writes values to a buffer. Afterwards, no buffer is bound.
 template <class T>
 void fill(QOpenGLBuffer &buffer, const std::vector<T> &values) {
     if (!buffer.isCreated())
@@ -37,7 +37,7 @@ void fill(QOpenGLBuffer &buffer, const std::vector<T> &values) {
     buffer.release();
 }
 
-/// Makes a buffer hold a vector of each of some vertices. \param at of a slot \param values room, three for each
+/// Writes a vector of each vertex to a buffer. \param at vector of a slot \param values room
 template <class At>
 void fillVectors(QOpenGLBuffer &buffer, const std::vector<std::uint32_t> &slot, const At &at,
                  std::vector<float> &values) {
@@ -50,7 +50,7 @@ void fillVectors(QOpenGLBuffer &buffer, const std::vector<std::uint32_t> &slot, 
     fill(buffer, values);
 }
 
-/// While it lives, what is drawn has the transformation of a layer; then all of OpenGL's state is what it was.
+/// While it lives, drawing has the transformation of a layer. Its end restores OpenGL's state.
 class LayerDrawing {
   public:
     /// \pre the context of the view is current, and has the transformation of the world
@@ -60,7 +60,7 @@ class LayerDrawing {
     ~LayerDrawing();
 };
 
-/// While it lives, what is drawn is flat and over all else; then all of OpenGL's state is what it was.
+/// While it lives, drawing is unlit and over all else. Its end restores OpenGL's state.
 class FlatDrawing {
   public:
     FlatDrawing();
@@ -69,14 +69,14 @@ class FlatDrawing {
     ~FlatDrawing();
 };
 
-// From which buffers a LayerDrawing draws; from no others that were in use before.
+// The buffers from which a LayerDrawing draws, instead of those before.
 void usePositions(QOpenGLBuffer &positions);
 void useNormals(QOpenGLBuffer &normals);
 void useColors(QOpenGLBuffer &colors); ///< four bytes each
-/// What a LayerDrawing draws from now on is seen through, not lit, of both sides, and nothing that the mouse points at.
-/// \param offset of its faces from those of the layer; below 0: in front of these
+/// From now on, a LayerDrawing draws transparently, unlit, both sides, and without depth, so that the mouse points
+/// through. \param offset in depth of its faces; below 0: in front of the layer
 void beSeenThrough(float offset);
-/// \param elements corners of the triangles \param corners how many
+/// \param elements corners of the triangles \param corners number of them
 void drawTriangles(QOpenGLBuffer &elements, std::size_t corners);
 
 #endif

@@ -8,9 +8,9 @@
 
 namespace {
 
-// Software (two cores) draws two such ghosts in 9 ms, about half of what a step of a drag takes.
+// Software rendering (two cores) draws two such ghosts in 9 ms, about half of the time of a step of a drag.
 const std::size_t mostGhostFaces = 25000;
-// Of a ghost: so many are as dense as the pixels of a layer that fills a fifth of the view.
+// Points of a ghost: as dense as the pixels of a layer that fills a fifth of the view.
 const std::size_t mostGhostPoints = 20000;
 
 } // namespace
@@ -62,7 +62,7 @@ void LayerGhost::draw(const CMeshO &mesh) {
     glColor4ubv(color.V());
     usePositions(positions);
     if (parts->element.empty()) {
-        glDepthRange(0.001, 1); // a point is some pixels wide, of which the layer is before its middle
+        glDepthRange(0.001, 1); // behind the layer: points are several pixels wide
         glDrawArrays(GL_POINTS, 0, int(parts->slot.size()));
     } else {
         drawTriangles(elements, parts->element.size());

@@ -10,20 +10,20 @@
 
 #include <QOpenGLBuffer>
 
-/// What the ghosts of a layer are drawn from: its surface, or, of a cloud or a large surface, some of the vertices that
-/// move, as points.
+/// The elements of a layer's ghosts: its surface. For a cloud or a large surface: points, some of the vertices that
+/// move.
 struct GhostParts {
     std::vector<std::uint32_t> slot;    ///< vertices
-    std::vector<std::uint32_t> element; ///< three corners a triangle, places in \p slot; none: points are drawn
+    std::vector<std::uint32_t> element; ///< three corners per triangle, indices into \p slot; empty: points are drawn
 
-    /// Whether a surface of so many faces is too large to be drawn a few times more.
+    /// Whether a surface has too many faces to be drawn several times, so that ghosts are points.
     static bool isPoints(std::size_t faces);
-    /// \param tags one per vertex slot: what is not above 0 stays
+    /// \param tags one per vertex slot; vertices with a tag <= 0 stay
     static GhostParts of(const vcg::fcd::SurfaceView &surface, const std::vector<int> &tags);
 };
 
-/// A shape that a layer has at another time, pale and see-through. It is behind the layer where both are at the same
-/// place. Kept in buffers, which are written when it changes.
+/// Another shape of a layer, pale and transparent, drawn behind the layer where both coincide. Its buffers are written
+/// when it changes.
 class LayerGhost {
   public:
     explicit LayerGhost(const vcg::Color4b &color) : color(color), elements(QOpenGLBuffer::IndexBuffer) {}
@@ -38,9 +38,9 @@ class LayerGhost {
   private:
     vcg::Color4b color;
     std::shared_ptr<const GhostParts> parts;
-    std::shared_ptr<const std::vector<float>> position; ///< null: it is hidden
+    std::shared_ptr<const std::vector<float>> position; ///< null: hidden
     QOpenGLBuffer positions, elements;
-    bool isMoved = false, isOther = false; ///< not written yet
+    bool isMoved = false, isOther = false; ///< positions, elements are to be written
 };
 
 #endif

@@ -67,7 +67,7 @@ void LayerOverlay::draw(const CMeshO &mesh) {
     beSeenThrough(-1);
     glDepthFunc(GL_LEQUAL);
     glShadeModel(GL_SMOOTH);
-    glPointSize(5); // a cloud's own points are 3 wide: between them, nothing of them is seen
+    glPointSize(5); // covers a cloud's own points, which are 3 wide
     glDepthRange(0, mesh.fn > 0 ? 1 : 0.9999);
     usePositions(positions);
     useColors(colors);

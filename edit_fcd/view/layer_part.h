@@ -10,25 +10,24 @@
 
 #include <QOpenGLBuffer>
 
-/// How the host draws the faces of a layer, as far as a LayerPart does.
+/// How the host draws the faces of a layer.
 struct LayerLook {
     bool isLit = true, isCulled = false;
     bool hasVertexColors = false;
-    vcg::Color4b color; ///< where there are no colours of vertices
+    vcg::Color4b color; ///< without vertex colours
 
-    /// None where something else than faces is drawn, or these otherwise than smooth, without textures.
+    /// None unless only smooth faces without textures are drawn, as LayerPart can.
     static std::optional<LayerLook> of(const MLRenderingData &data, const CMeshO &mesh);
 };
 
-/// Some of the faces of a layer, drawn as the host draws them. Kept in buffers: what moves is written when it has
-/// moved.
+/// Draws some faces of a layer as the host would. Buffers are written when the layer has moved.
 class LayerPart {
   public:
     /// \param isIn one per face slot
     LayerPart(const CMeshO &mesh, const std::vector<char> &isIn, const LayerLook &look);
 
     std::size_t faces() const { return element.size() / 3; }
-    /// The vertices of the layer have other positions and normals from now on.
+    /// Call when the layer's positions or normals have changed.
     void move() { isMoved = true; }
     /// \pre the context of the view is current, and has the transformation of the world
     void draw(const GLArea &view);
@@ -39,8 +38,8 @@ class LayerPart {
     const CMeshO &mesh;
     LayerLook look;
     std::vector<std::uint32_t> slot;     ///< of the vertices that are drawn
-    std::vector<std::uint32_t> element;  ///< three corners a face, places in \p slot
-    std::vector<float> position, normal; ///< of these
+    std::vector<std::uint32_t> element;  ///< three corners per face, indices into \p slot
+    std::vector<float> position, normal; ///< three of each vertex
     QOpenGLBuffer positions, normals, colors, elements;
     bool isMoved = true, isNew = true;
 };

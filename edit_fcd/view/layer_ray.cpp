@@ -11,7 +11,7 @@
 
 namespace {
 
-/// What is nearest to the eye so far; of what is equally near, the first.
+/// The nearest element so far; the first of several.
 struct Nearest {
     double depth = std::numeric_limits<double>::infinity();
     std::size_t element = 0;
@@ -25,7 +25,7 @@ struct Nearest {
     bool isFound() const { return depth < std::numeric_limits<double>::infinity(); }
 };
 
-/// depthOf(i) for n elements, by all threads; infinity where one is not hit.
+/// The least depthOf(i) of n elements, by all threads. depthOf is infinite if an element is not hit.
 template <class Depth>
 Nearest nearestOf(std::size_t n, const Depth &depthOf) {
     Nearest all;
@@ -41,8 +41,8 @@ Nearest nearestOf(std::size_t n, const Depth &depthOf) {
     return all;
 }
 
-/// Where a ray meets a triangle, in lengths of the way, as T. Moeller and B. Trumbore (1997) find it; infinity where it
-/// does not, or before \p least.
+/// Where a ray meets a triangle (T. Moeller and B. Trumbore 1997), in lengths of \p way; infinity if it does not, or
+/// before \p least.
 double meets(const Eigen::Vector3d &from, const Eigen::Vector3d &way, const Eigen::Vector3d corner[3], double least) {
     const double none = std::numeric_limits<double>::infinity();
     const Eigen::Vector3d a = corner[1] - corner[0], b = corner[2] - corner[0], across = way.cross(b);
@@ -111,7 +111,7 @@ std::optional<Eigen::Vector3d> middleBehind(const MeshModel &layer, const Camera
     const std::optional<LayerHit> front = hitLayer(layer, seen, window);
     if (!front)
         return {};
-    const double beside = 1e-9; // of the ray: another triangle at an edge that it meets
+    const double beside = 1e-9; // of the ray: skips other triangles at an edge
     const std::optional<LayerHit> back = hitLayer(layer, seen, window, front->depth + beside);
     return back ? Eigen::Vector3d((front->place + back->place) / 2) : front->place;
 }
@@ -132,7 +132,7 @@ std::optional<Eigen::Vector3d> hitOthers(const MeshDocument &document, const Mes
                 least = depth;
                 first = hit->place;
             }
-        } catch (const vcg::fcd::Error &) { // a matrix without an inverse: it is seen nowhere
+        } catch (const vcg::fcd::Error &) { // a matrix without an inverse: it is not visible
         }
     }
     return first;

@@ -9,9 +9,9 @@
 
 namespace {
 
-// Of a layer that software draws about ten times a second (two cores): a person sees it jerk.
+// Software rendering (two cores) draws so many faces about ten times a second, which jerks.
 const int leastFaces = 200000;
-// Of the faces: with more, little is left to be kept as a picture.
+// Largest share of the faces that move: with more, a picture saves little.
 const double mostMoving = 0.5;
 
 } // namespace
@@ -43,7 +43,7 @@ MovingPart::~MovingPart() {
         view->meshVisibilityMap[layerId] = true;
 }
 
-/// What is free or a handle moves.
+/// Takes the faces with a free or handle vertex as the moving part.
 void MovingPart::take(const std::vector<int> &newTags) {
     tags = newTags;
     const CMeshO &mesh = layer.cm;
@@ -72,14 +72,14 @@ bool MovingPart::isPictureOf(const Camera &seen) const {
            seen.height == pictureSeen.height;
 }
 
-/// Copies colour and depth of the view into the picture, or back. \return whether the graphics card can
+/// Copies colour and depth of the view into the picture, or back. \return whether that worked
 bool MovingPart::copy(bool toPicture) const {
-    // Qt's own copying leaves an error where a view is what is copied, and those of GLEW are not linked.
+    // Qt's own copy leaves an OpenGL error if the view is copied, and GLEW is not linked.
     const auto bind = reinterpret_cast<PFNGLBINDFRAMEBUFFERPROC>(view->context()->getProcAddress("glBindFramebuffer"));
     const auto blit = reinterpret_cast<PFNGLBLITFRAMEBUFFERPROC>(view->context()->getProcAddress("glBlitFramebuffer"));
     if (!bind || !blit)
         return false;
-    while (glGetError() != GL_NO_ERROR) // of others
+    while (glGetError() != GL_NO_ERROR) // forgets errors of others
         ;
     int own = 0;
     glGetIntegerv(GL_FRAMEBUFFER_BINDING, &own);
@@ -105,7 +105,7 @@ bool MovingPart::draw(const Camera &seen) {
         pictureSeen = seen;
         picture = std::make_unique<QOpenGLFramebufferObject>(seen.width, seen.height,
                                                              QOpenGLFramebufferObject::CombinedDepthStencil);
-        picture->release(); // that was bound when it was made
+        picture->release(); // it is bound when it is made
         if (!picture->isValid() || !copy(true) || !copy(false))
             return false;
     } else if (!copy(false)) {

@@ -12,23 +12,22 @@
 #include <QOpenGLFramebufferObject>
 #include <QPointer>
 
-/// A large layer while a part of it is dragged: what stays is drawn once, and kept as a picture with its depth; in each
-/// frame only what moves is drawn, and given to the graphics card. The host does not draw the layer meanwhile.
+/// Draws a large layer while a part of it is dragged. What stays is drawn once, and kept as a picture with depth. Each
+/// frame draws only what moves. Meanwhile, the host does not draw the layer.
 class MovingPart {
   public:
-    /// Null where the host had better draw the layer: a small one, or one that moves as a whole, is shown otherwise
-    /// than LayerLook knows, or in several views.
-    /// \param tags one per vertex slot \param over colours of LayerOverlay::show, empty: none
+    /// Null if the host should draw the layer: it is small, mostly moves, has a look that LayerLook does not know, or
+    /// is shown in several views. \param tags one per vertex slot \param over colours as of LayerOverlay::show; empty:
+    /// none
     static std::unique_ptr<MovingPart> of(GLArea &view, const MeshModel &layer, const std::vector<int> &tags,
                                           std::vector<vcg::Color4b> over);
     MovingPart(const MovingPart &) = delete;
     MovingPart &operator=(const MovingPart &) = delete;
     ~MovingPart();
 
-    /// The layer has another shape from now on. \param tags now
+    /// Call when the layer's shape has changed. \param tags now
     void move(const std::vector<int> &tags);
-    /// Draws the layer, and what is over it. \pre as LayerPart::draw() \return whether it could: if not, the host has
-    /// to
+    /// Draws the layer, and what is over it. \pre as LayerPart::draw() \return false: it cannot, so the host must
     bool draw(const Camera &seen);
 
   private:
@@ -46,7 +45,7 @@ class MovingPart {
     std::vector<char> isMoving; ///< one per face slot
     std::unique_ptr<LayerPart> part;
     LayerOverlay overPart;
-    std::unique_ptr<QOpenGLFramebufferObject> picture; ///< of all that stays
+    std::unique_ptr<QOpenGLFramebufferObject> picture; ///< of what stays
     Camera pictureSeen;
 };
 

@@ -22,7 +22,7 @@ StretchColors::StretchColors(const MeshModel &layer) : layer(layer) { connect();
 void StretchColors::connect() {
     const CMeshO &mesh = layer.cm;
     const std::size_t grain = 1 << 13;
-    std::vector<std::atomic<std::uint32_t>> next(mesh.vert.size()); // their number, then where the next one goes
+    std::vector<std::atomic<std::uint32_t>> next(mesh.vert.size()); // number of faces, then the next free entry
     const auto forCorners = [&](const auto &body) {
         vcg::fcd::ParallelFor(0, mesh.face.size(), grain, [&](std::size_t first, std::size_t last) {
             for (std::size_t f = first; f < last; ++f)

@@ -7,18 +7,18 @@
 #include <cstdint>
 #include <vector>
 
-/// The colour of a place whose stretch is a power of two: blue for half as long or less (-1), grey for 0, red for twice
-/// as long or more (1).
+/// The colour of a stretch by 2^exponent: blue for -1 or less (half as long), grey for 0, red for 1 or more (twice as
+/// long).
 vcg::Color4b colorOfStretch(double exponent);
 
-/// Colours of a layer's vertices that show how much its surface is stretched.
+/// Colours a layer's vertices by the stretch of its surface.
 class StretchColors {
   public:
     explicit StretchColors(const MeshModel &layer);
 
-    /// One colour per vertex slot, by the mean of the TriangleStretch::Exponent() of its faces, weighed by their area
-    /// at rest. \param rest positions at rest, one a vertex slot \param world of the layer's matrix: stretch is that in
-    /// the world \param opacity of all, to 255
+    /// One colour per vertex slot, by the mean TriangleStretch::Exponent() of its faces, weighed by their area at rest.
+    /// \param rest positions at rest, per vertex slot \param world linear part of the layer's matrix: stretch is that
+    /// in the world \param opacity [0, 255]
     std::vector<vcg::Color4b> of(const std::vector<Point3m> &rest, const Eigen::Matrix3d &world, unsigned char opacity);
 
   private:

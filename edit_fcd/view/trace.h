@@ -5,8 +5,8 @@
 #ifdef __GNUC__
 __attribute__((format(printf, 1, 2)))
 #endif
-/// Tells whoever drives a tool by a script what it does: a line on the standard error, as std::printf makes it, where the
-/// environment has FCD_TRACE.
+/// Writes a line to the standard error, formatted as by std::printf, if FCD_TRACE is set in the environment. For tests
+/// that drive a tool by a script.
 void trace(const char *format, ...);
 
 #endif
