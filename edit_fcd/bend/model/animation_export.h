@@ -6,10 +6,10 @@
 
 #include <QString>
 
-/// How the key frames become a file.
+/// How an animation is exported.
 struct AnimationExport {
     double rate = 24;                                                              ///< frames a second
-    double from = 0, to = 0;                                                       ///< seconds
+    double from = 0, to = 0;                                                       ///< range of the key frames, seconds
     vcg::fcd::SequenceOutput::Shapes shapes = vcg::fcd::SequenceOutput::EachFrame; ///< of glTF
     QString file;                                                                  ///< .glb or .pc2
 

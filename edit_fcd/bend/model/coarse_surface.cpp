@@ -11,10 +11,10 @@ using vcg::fcd::SurfaceGraph;
 
 namespace {
 
-// Cells that a surface meets, for each that its area is worth: 1.5 for a plane that lies in no direction of the grid.
+// Cells that a surface meets, times the area of a cell's side, over the surface's area: 1.5 for an oblique plane.
 const double cellsOfArea = 1.5;
 
-/// The number of each node's cluster, ascending with the first node of each. \return how many there are
+/// Numbers the clusters, in the order of their first nodes. \return number of clusters
 Index findClusters(const SurfaceGraph &fine, double cell, std::vector<Index> &cluster) {
     const Index n = fine.graph.Size();
     std::vector<Eigen::Vector3i> cellOf(static_cast<std::size_t>(n));
@@ -42,8 +42,8 @@ Index findClusters(const SurfaceGraph &fine, double cell, std::vector<Index> &cl
     return count;
 }
 
-/// Joins each node with the neighbours of its neighbours, too: ways along the middles of clusters are not straight, and
-/// were a fifth too long.
+/// Joins each node with the neighbours of its neighbours, too: otherwise paths zigzag between the middles of clusters,
+/// and are a fifth too long.
 vcg::fcd::Csr withNext(const vcg::fcd::Csr &beside) {
     vcg::fcd::Csr all;
     std::vector<Index> near;

@@ -6,9 +6,9 @@
 
 #include <memory>
 
-/// A surface of fewer nodes: those that hang together within a cell of a grid are one, at their middle; what is near
-/// but not connected stays apart. As much of it is filled as of a SurfaceGraph that BendReach reads. \param most about
-/// so many nodes \return null where there is nothing to gain
+/// A coarser surface: nodes that are connected within a cell of a grid become one, at their middle. Close parts that
+/// are not connected stay apart. Only members that BendReach reads are set. \param most about so many nodes
+/// \return null if it would not be smaller
 std::unique_ptr<vcg::fcd::SurfaceGraph> coarseOf(const vcg::fcd::SurfaceGraph &fine, vcg::fcd::Index most);
 
 #endif

@@ -8,29 +8,30 @@
 #include <limits>
 #include <numeric>
 
-// What belongs to a handle: what is around it, and the tips of the limb that it is on.
+// Extents of handles: the surface around, and the tips of the limb.
 
 namespace {
 
-// Of the smallest ball around a handle that cuts off a tip: larger ones cut off what hangs on the same place, as the
-// fingers do on a hand, and then, at twice that or more, what does not: the head, seen from a shoulder.
+// The largest ball that finds tips, over the smallest one that cuts off a tip. Somewhat larger balls cut off other tips
+// of the same limb, like the fingers of a hand; balls of twice the size cut off others, like the head from a shoulder.
 const double largestBall = 1.5;
 
-const double coreSize = 0.5; // of the radius: so much turns with a handle, and the other half is left to bend
+const double coreSize = 0.5; // share of the radius that moves with a handle; the other half bends
 
-// Of the smallest ball that cuts off a tip: that ball reaches half around the limb, pi / 2 of its thickness. With twice
-// the thickness for the radius, the half of that which is left to bend is as wide as the limb is thick.
+// The radius on a limb, over the smallest ball that cuts off a tip. That ball reaches half around the limb, pi / 2
+// times the thickness. A radius of twice the thickness leaves a strip as wide as the limb is thick to bend.
 const double radiusOfCut = 4 / EIGEN_PI;
 
-// Of the radius, from a handle: where what stays lies all around it, the middle of that is about at the handle, and
-// where it lies at one side, as on a limb, at least half of it away. It is a limb from between the two on.
+// Least distance of a joint from its handle, over the radius. If fixed surface lies all around the handle, the middle
+// of the bending strip is at the handle. If it lies at one side, as on a limb, that middle is at least half a radius
+// away. The limit is between the two.
 const double nearestJoint = 0.25;
 
 } // namespace
 
-/// Which of the pieces that a ball leaves are tips of the limb that its middle is on. A ball of half the radius
-/// cuts those off, or one that is hardly larger than the smallest one that cuts off any. \param ball nodes, nearest
-/// first \param distances of these \param cut gets the radius of that smallest one, 0 where there is none; frame units
+/// Tells which pieces beside a ball are tips of the limb at its middle: those that a ball of half the radius cuts off,
+/// or one up to largestBall times the smallest that cuts off any. \param ball nodes, nearest first \param distances of
+/// these \param cut out: radius of that smallest ball, 0 if there is none; frame units
 std::vector<char> BendReach::tipsOfLimb(const Pieces &pieces, const std::vector<vcg::fcd::Index> &ball,
                                         const std::vector<double> &distances, double &cut) const {
     std::vector<char> isOfLimb(pieces.area.size(), 0);
@@ -38,8 +39,8 @@ std::vector<char> BendReach::tipsOfLimb(const Pieces &pieces, const std::vector<
     std::vector<std::size_t> placeOf(pieces.of.size(), none);
     for (std::size_t k = 0; k < ball.size(); ++k)
         placeOf[std::size_t(ball[k])] = k;
-    // The ball shrinks, and gives its nodes back to the pieces: when one of these meets the largest, a smaller ball
-    // does not cut it off.
+    // Shrinks the ball: its nodes join the pieces. Once a piece meets the largest one, a smaller ball does not cut it
+    // off.
     std::vector<std::size_t> parent(pieces.area.size() + ball.size()); // pieces, then nodes of the ball
     std::iota(parent.begin(), parent.end(), std::size_t(0));
     const auto rootOf = [&](std::size_t a) {
@@ -81,7 +82,7 @@ std::vector<char> BendReach::tipsOfLimb(const Pieces &pieces, const std::vector<
     return isOfLimb;
 }
 
-/// The extent of a handle, which is the last one from then on.
+/// The extent of a handle, from the cache or new.
 std::shared_ptr<BendExtent> BendReach::kept(const std::vector<std::size_t> &vertices, double radius) {
     wait();
     const auto found = std::find_if(extents.begin(), extents.end(), [&](const auto &each) {
@@ -148,8 +149,7 @@ double BendReach::radiusAt(std::size_t slot, double usual) {
     return cut > 0 ? radiusOfCut * cut : usual;
 }
 
-/// How much goes with a handle of what is around it, and the joint: the middle of what bends between the core and what
-/// stays, where that is at one side.
+/// Sets shares, bends and joint.
 void BendReach::findShares(BendExtent &made) const {
     const vcg::fcd::Graph &graph = surface->graph;
     enum Part : char { Stays, Around, Beyond };
@@ -158,7 +158,7 @@ void BendReach::findShares(BendExtent &made) const {
         for (const std::size_t i : *vertices)
             if (surface->nodeOf[i] >= 0)
                 part[std::size_t(surface->nodeOf[i])] = which;
-    std::vector<vcg::fcd::Index> edge; // of what stays
+    std::vector<vcg::fcd::Index> edge; // nodes that stay, beside nodes around the handle
     for (vcg::fcd::Index u = 0; u < graph.Size(); ++u)
         if (part[std::size_t(u)] == Stays) {
             const auto near = graph.adjacency[u];

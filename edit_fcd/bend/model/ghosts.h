@@ -11,27 +11,29 @@
 #include <vector>
 
 /// \file
-/// Onion skin: the shapes of the key frames beside what is shown.
+/// Onion skin: the shapes of the key frames before and after the shown one.
 
-/// Which ones, by what they have of the poses, percent; empty: none.
+/// The weights of the poses in those key frames, percent; empty: none.
 struct GhostFrames {
     std::vector<double> before, after;
 };
-/// The key frames next to a time; none of less than two. \param keys ascending \param time seconds \param isShown the
-/// animation is shown as it is then; else something is being posed, and a key frame of just that time is before it
+/// The key frames next to a time; none if there are less than two. \param keys ascending \param time seconds
+/// \param isShown the shown shape is the animation's at that time; false: something else is posed, and a key frame at
+/// just that time counts as before
 GhostFrames ghostFrames(const std::vector<vcg::fcd::KeyFrame> &keys, double time, bool isShown);
 
-/// Finds the shapes that blends of poses have, beside the window: it reads nothing of session and layer.
+/// Computes the shapes of blends of poses. It reads neither session nor layer, so it may run in the background.
 struct BlendShapes {
     std::shared_ptr<const vcg::fcd::SurfaceArrays> surface; ///< at rest
     std::shared_ptr<const std::vector<int>> tags;           ///< one per vertex slot
     Eigen::Affine3d world;                                  ///< the layer's matrix
     vcg::fcd::DeformationParam param;
     std::vector<std::map<int, vcg::fcd::Motion>> poses;
-    std::shared_ptr<const vcg::fcd::Deformer> deformer; ///< for these tags and numbers; null: it is prepared first
+    std::shared_ptr<const vcg::fcd::Deformer> deformer; ///< for these tags and parameters; null: of() prepares it
 
-    /// \param weight percent of each pose \param slot vertices \return three numbers for each of these, layer units
-    /// \throw vcg::fcd::Error \throw vcg::fcd::Cancelled
+    /// \param weight percent of each pose
+    /// \param slot vertices \return three coordinates for each of these, layer units \throw vcg::fcd::Error
+    /// \throw vcg::fcd::Cancelled
     std::vector<float> of(const std::vector<double> &weight, const std::vector<std::uint32_t> &slot,
                           const vcg::fcd::Progress &progress);
 };

@@ -19,7 +19,7 @@ Eigen::Matrix3Xd lineOf(const BendSession &session) {
         for (int k = 0; k < 3; ++k)
             if (line[i].weight[k] != 0)
                 place += line[i].weight[k] * session.positionOf(line[i].corner[std::size_t(k)]);
-        points.col(Eigen::Index(i)) = rounded<Scalarm>(place); // as a layer has it
+        points.col(Eigen::Index(i)) = rounded<Scalarm>(place); // in a layer's precision
     }
     return points;
 }

@@ -7,15 +7,15 @@
 /// \file
 /// The line that a layer is straightened along.
 
-/// Its points where they are in the pose, 3 x n, in the world, as a layer would have them.
+/// Its points in the pose, 3 x n, world, in a layer's precision.
 Eigen::Matrix3Xd lineOf(const BendSession &session);
-/// The same. \throw vcg::fcd::Error there are not two points
+/// The same. \throw vcg::fcd::Error fewer than two points
 Eigen::Matrix3Xd expectedLine(const BendSession &session);
 /// \throw vcg::fcd::Error as readLine
 std::vector<BendLinePoint> loadLine(const QString &file);
 /// \throw vcg::fcd::Error the file cannot be written
 void saveLine(const BendSession &session, const QString &file);
-/// The filter call that straightens the layer like that. \param line of these points, or null
+/// The filter call that straightens the layer like that. \param line layer with these points, or null
 std::string straightenCall(const StraightenMeshParam &param, const MeshModel *line);
 
 #endif

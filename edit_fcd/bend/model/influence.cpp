@@ -9,11 +9,11 @@
 #include <algorithm>
 #include <utility>
 
-// What handles hold, and what bends around them where nothing is marked as fixed.
+// The regions that handles hold, and the surface that bends around them if nothing is marked as fixed.
 
 namespace {
 
-const double pointSize = 0.08; // of a point's radius: so far it is held, that a single vertex makes no spike
+const double pointSize = 0.08; // share of a point's radius that it holds: a single vertex would make a spike
 
 std::vector<std::size_t> chosenOf(const std::vector<char> &isIn) {
     std::vector<std::size_t> chosen;
@@ -32,8 +32,8 @@ class Maker {
 
   private:
     struct Around {
-        std::vector<std::size_t> vertices; ///< of a handle
-        double radius;                     ///< of what it bends around them
+        std::vector<std::size_t> vertices; ///< that a handle holds
+        double radius;                     ///< within which it bends the surface
     };
     void findExtents(const BendTags &made);
     void bendAround(BendTags &made);
@@ -50,7 +50,7 @@ class Maker {
     BendInfluence &all;
 };
 
-/// Where nothing is marked as fixed, what is not around a handle is.
+/// Fixes all that is not around a handle, if nothing is marked as fixed.
 void Maker::bendAround(BendTags &made) {
     std::map<int, std::vector<Around>> around; // by rank
     std::map<std::pair<int, double>, std::vector<std::size_t>> ofRim;
@@ -72,7 +72,7 @@ void Maker::bendAround(BendTags &made) {
             made[i] = 0;
 }
 
-/// Finds what belongs to each handle, as far as that matters: where there are several, or one is a grip.
+/// Finds the extents of handles, and which lie beyond which, if there are several handles or a grip.
 void Maker::findExtents(const BendTags &made) {
     std::map<int, std::vector<std::size_t>> handles;
     for (std::size_t i = 0; i < made.size(); ++i)
@@ -87,7 +87,7 @@ void Maker::findExtents(const BendTags &made) {
         return;
     for (const auto &[tag, vertices] : handles) {
         if (!all.isLocal && now.points.count(tag) == 0)
-            continue; // what is marked where something is fixed moves alone
+            continue; // if something is fixed, marked handles have no extents
         all.extents[tag] = reachOfRest.whole(vertices, radiusOf(now, tag, ground.diagonal), usual());
     }
     for (const auto &[tag, own] : all.extents) {
@@ -106,8 +106,8 @@ void Maker::findExtents(const BendTags &made) {
     }
 }
 
-/// What handles of one rank bend is added to what those below do, from which a gap that stays keeps it apart. But
-/// where a handle is at the edge of that, all bend together. \return whether they bend less for it
+/// Adds what handles of one rank bend. A fixed gap keeps it apart from what lower ranks bend, unless a handle is at the
+/// edge of that: then all bend together. \return whether they bend less because of the gap
 bool Maker::bendAround(const std::vector<Around> &handles, int rank, std::vector<char> &isNear) {
     const double gap = usual();
     const auto isLower = [&](std::size_t i) { return isNear[i] != 0; };
@@ -131,7 +131,7 @@ bool Maker::bendAround(const std::vector<Around> &handles, int rank, std::vector
         for (const std::size_t i : extent->aside)
             isAside[i] = 1;
     }
-    if (handles.size() > 1 || (!isApart && rank > 0)) // else that has been done
+    if (handles.size() > 1 || (!isApart && rank > 0)) // else extent() has found all tips
         for (const std::size_t i : reachOfRest.tips(own))
             own[i] = own[i] || !isAside[i];
     bool isLess = false;
@@ -141,7 +141,7 @@ bool Maker::bendAround(const std::vector<Around> &handles, int rank, std::vector
             own[i] = 0;
         }
         const std::vector<char> left = std::exchange(own, std::vector<char>(isNear.size(), 0));
-        for (const std::size_t i : middle) // what is cut off from it by that stays, too
+        for (const std::size_t i : middle) // keeps only what the gap leaves connected with a handle
             if (left[i] && !own[i])
                 add(reachOfRest.piece(i, left));
     }
@@ -150,7 +150,7 @@ bool Maker::bendAround(const std::vector<Around> &handles, int rank, std::vector
     return isLess;
 }
 
-/// Of handles on a limb, the one that is next to its tip first, as it holds that.
+/// The handles in order: on a limb, the one next to the tip first, since it holds the tip.
 std::vector<int> Maker::nextFirst() const {
     std::vector<int> order;
     order.reserve(all.extents.size());
@@ -161,7 +161,7 @@ std::vector<int> Maker::nextFirst() const {
     return order;
 }
 
-/// What lies beyond a handle, with others, and bends with none of them, is held by it: so it goes along.
+/// Makes a handle with others beyond it hold what lies beyond and does not bend, so that it moves along.
 void Maker::holdBeyond(BendTags &made) {
     const auto isFixed = [&](std::size_t i) { return made[i] == 0; };
     for (const int tag : nextFirst()) {
@@ -191,7 +191,7 @@ void Maker::holdBeyond(BendTags &made) {
     }
 }
 
-/// Holds what the points hold.
+/// Sets the tags of what points hold.
 void Maker::hold(BendTags &made) {
     const auto add = [&](int tag, const std::vector<std::size_t> &vertices) {
         for (const std::size_t i : vertices)
@@ -207,8 +207,8 @@ void Maker::hold(BendTags &made) {
             holdGrip(made, tag, point->second.radius);
 }
 
-/// Holds what is turned with a point, beside what that holds already: not what other handles beyond it bend, and only
-/// where nothing else is held within the gap.
+/// Makes a grip hold all that turns with it: its core and what lies beyond, without what other handles there bend, and
+/// without a gap around what else is held.
 void Maker::holdGrip(BendTags &made, int tag, double radius) {
     const BendExtent &own = *all.extents.at(tag);
     std::vector<char> isIn(made.size(), 0);

@@ -6,18 +6,18 @@
 #include <algorithm>
 #include <limits>
 
-// Where a limb begins, and where one bends that someone points out.
+// Where a limb begins, and where it bends along a stroke.
 
 namespace {
 
-// Times as much around as where it is pulled: a limb gets thicker by less than that from one joint to the next, and
-// where it meets what it hangs on, the whole of that is met at once.
+// The root of a limb is where a cross-section has so many times the area of that at the pulled vertex. From one joint
+// to the next, a limb gets less thick than that. Where it meets the body, the section grows at once.
 const float thicker = 1.75;
 
-// Of a limb's area, with what it hangs on: as BendReach has it for tips, which are at most half as large as the rest.
+// Largest area of a limb, over that of all: as for tips, which are at most half as large as the rest.
 const float largestLimb = 1.f / 3;
 
-const int binsOfThickness = 2; // so many cross-sections of a limb, each as long as that part of its thickness
+const int binsOfThickness = 2; // cross-sections for each thickness of a limb
 
 } // namespace
 
@@ -27,13 +27,13 @@ std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual,
         return {};
     if (const auto root = rootBefore(slot, usual, hair))
         return root;
-    // Near its end nothing lies beyond; but the place may lie beyond what is that far away.
+    // Near the end of a limb, nothing lies beyond the vertex. Then try the farthest vertex within the radius.
     const std::size_t before = slotOf(nodesWithin({slot}, usual).back());
     const bool isBeyond = whole({before}, radiusAt(before, usual), hair)->shareOf(slot) == 1;
     return isBeyond ? rootBefore(before, usual, hair) : std::nullopt;
 }
 
-/// The same, where something of the limb lies beyond the vertex.
+/// The same, if something of the limb lies beyond the vertex.
 std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double usual, double hair) {
     const vcg::fcd::Index own = surface->nodeOf[slot];
     const double radius = radiusAt(slot, usual);
@@ -51,10 +51,10 @@ std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double usual,
                                   [&](vcg::fcd::Index u) { return isBeyond[std::size_t(u)] != 0; });
     if (tip == fromHere.rend())
         return {};
-    // Cross-sections are what is equally far from the tip.
+    // A cross-section is at one distance from the tip.
     std::vector<double> distances;
     const std::vector<vcg::fcd::Index> fromTip = vcg::fcd::NodesWithin(graph, {*tip}, all, &distances);
-    const double bin = radius / surface->frame.scale / (2 * binsOfThickness); // the radius is twice the thickness
+    const double bin = radius / surface->frame.scale / (2 * binsOfThickness); // the radius is two thicknesses
     std::vector<std::size_t> section(isBeyond.size(), 0);
     std::vector<float> area(1, 0);
     float total = 0;
@@ -73,7 +73,7 @@ std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double usual,
     while (root + 1 < area.size() && area[root + 1] <= thicker * area[start] &&
            before + area[root + 1] <= largestLimb * total)
         before += area[++root];
-    // A handle on a limb turns about a joint that is about its thickness away.
+    // The joint of a handle is about the limb's thickness away from it.
     const std::size_t at = root > start + binsOfThickness ? root - binsOfThickness : start;
     if (at == start)
         return slot;
@@ -84,20 +84,20 @@ std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double usual,
 
 namespace {
 
-// Of the radius: so far is what bends before a handle, in the middle, since half of it is between the radius and half
-// of that (see BendExtent::core). On a limb it is nearer at the other side; how far is found out there.
+// First guess of a joint's distance from its handle, over the radius: the middle between the radius and the core. On a
+// limb, the other side is nearer; rounds correct that.
 const double toJoint = 0.75;
 
-// From one radius to the next, where one does not reach around what is beyond a joint, and how much larger one may be:
-// a hand is wider than its wrist, but hardly twice as wide.
+// Factor from one radius to the next, if one does not reach around the limb beyond the joint, and the largest in all: a
+// hand is wider than its wrist, but hardly twice as wide.
 const double wider = 1.2, widest = 2;
 
-const int roundsToJoint = 3; // each leaves a part of what the joint is off, which is a tenth of the thickness then
+const int roundsToJoint = 3; // then the joint is off by a tenth of the thickness
 
 } // namespace
 
-/// The node on the way from another one that is so far from there; beyond what the way leads to, too. \param left of
-/// each node: how far it is from where the way ends \return -1: the surface ends before
+/// The node at distance \p ahead from another one, on the way to an end, or beyond that. \param left distance of each
+/// node from the end \return -1: the surface ends before
 vcg::fcd::Index BendReach::along(vcg::fcd::Index from, double ahead, const std::vector<double> &left) const {
     const vcg::fcd::Graph &graph = surface->graph;
     const std::vector<vcg::fcd::Index> ball = vcg::fcd::NodesWithin(graph, {from}, ahead);
@@ -112,7 +112,7 @@ vcg::fcd::Index BendReach::along(vcg::fcd::Index from, double ahead, const std::
         if (isEdge && (found < 0 || left[std::size_t(u)] < left[std::size_t(found)]))
             found = u;
     }
-    // What is as far away on the other side is that much farther from the end.
+    // A node on the other side would be farther from the end by that distance.
     return found >= 0 && left[std::size_t(found)] < std::max(ahead, left[std::size_t(from)]) ? found : -1;
 }
 
@@ -132,7 +132,7 @@ std::pair<std::shared_ptr<const BendExtent>, bool> BendReach::beyond(std::size_t
     const double length = scale * left[std::size_t(first)], least = radiusAt(from, usual);
     if (length == 0 || length == none)
         return {};
-    const bool isLimb = extent({from}, usual)->cut > 0; // of which that radius is twice the thickness
+    const bool isLimb = extent({from}, usual)->cut > 0; // then the radius is twice its thickness
     const auto placeOf = [&](vcg::fcd::Index u) { return surface->graph.position.col(u).cast<double>(); };
     std::shared_ptr<const BendExtent> found;
     double radius = isLimb ? least : none;
@@ -142,17 +142,17 @@ std::pair<std::shared_ptr<const BendExtent>, bool> BendReach::beyond(std::size_t
             const vcg::fcd::Index node = along(first, ahead, left);
             const auto made = node < 0 ? nullptr : whole({slotOf(node)}, radius, hair);
             if (!made || !made->bends || made->shareOf(to) == 0)
-                break; // it does not reach around
+                break; // the ball does not reach around the limb
             const Eigen::Vector3d way = placeOf(node) - placeOf(first),
                                   off = surface->frame.ToFrame(*made->bends) - placeOf(first);
             if (off.dot(way) >= way.squaredNorm())
-                break; // it holds what is on the other side
+                break; // the handle would hold the other side
             found = made;
             ahead -= off.dot(way.normalized());
         }
         radius *= wider;
     }
-    if (found || (isLimb && length > least)) // else all that lies beyond is near
+    if (found || (isLimb && length > least)) // else the end is near: all that lies beyond
         return {found, true};
     found = whole({to}, length / toJoint, hair);
     return {found->shareOf(from) < 1 ? found : nullptr, false};

@@ -57,19 +57,19 @@ void freeGaps(const BendState &state, BendReach &reach, BendTags &made) {
         }
     for (const auto &[own, vertices] : held) {
         const auto &[tag, gap] = own;
-        std::set<double> gaps; // to those that yield
+        std::set<double> gaps; // to marks that yield
         for (const auto &each : held)
             if (each.first.first < tag)
                 gaps.insert(std::max(gap, each.first.second));
         gaps.erase(0);
         for (const double larger : gaps) {
-            std::map<int, std::vector<std::size_t>> beside; // by their tag
+            std::map<int, std::vector<std::size_t>> beside; // vertices that yield, by tag
             for (const std::size_t i : reach.of(vertices, larger))
                 if (isHeld(i) && made[i] < tag && std::max(gap, gapOf(i)) == larger)
                     beside[made[i]].push_back(i);
             for (const auto &[other, near] : beside) {
                 if (near.size() == left[other])
-                    continue; // it would be gone
+                    continue; // nothing of it would be left
                 left[other] -= near.size();
                 for (const std::size_t i : near)
                     made[i] = 1;
@@ -80,7 +80,7 @@ void freeGaps(const BendState &state, BendReach &reach, BendTags &made) {
 
 namespace {
 
-/// Null where nothing is marked.
+/// Null if nothing is marked.
 std::shared_ptr<const BendTags> marksOf(BendTags marks) {
     const bool isAny = std::any_of(marks.begin(), marks.end(), [](int tag) { return tag != 1; });
     return isAny ? std::make_shared<const BendTags>(std::move(marks)) : nullptr;

@@ -9,27 +9,27 @@
 #include <set>
 
 /// \file
-/// What is marked, and how far it bends what is around it where nothing is marked as fixed. \a diagonal is that of the
-/// bounding box, world units; so are radii.
+/// Marks, and the radius within which each bends the surface if nothing is marked as fixed. \a diagonal is that of the
+/// bounding box. Radii, rims and the diagonal are in world units.
 
-/// Of a vertex that is marked.
+/// The radius of a marked vertex.
 double rimAt(const BendState &state, std::size_t slot, double diagonal);
-/// Of a handle; of a mark, that of its first vertex.
+/// The radius of a handle; of a marked one, that of its first vertex.
 double radiusOf(const BendState &state, int tag, double diagonal);
-/// \param vertexSlots of all vertices
+/// \param vertexSlots number of all vertices
 void setRims(BendState &state, const std::vector<std::size_t> &vertices, double radius, std::size_t vertexSlots);
-/// A handle was asked how far it bends, so its rank is the lowest.
+/// Sets the radius, and the lowest rank, so that no gap makes the handle bend less.
 void setRadiusOf(BendState &state, int tag, double radius);
 
-/// Marks never touch: within the gap of a mark nothing else is held. What is fixed yields to handles, and an older
-/// handle to a newer one, as far as the larger gap of the two. \param made tags, which begin as the marks
+/// Keeps marks apart: frees what else is held within the gap of a mark. Fixed vertices yield to handles, and older
+/// handles to newer ones, within the larger gap of the two. \param made in: the marks, out: tags
 void freeGaps(const BendState &state, BendReach &reach, BendTags &made);
 
-/// Marks become those of the state; points whose places they take are gone. \param marked where they are new
-/// \param rim of these \param known tags of handles before \return those of the new handles
+/// Gives the state new marks, and removes points whose vertex they take. \param marked the vertices of the new marks
+/// \param rim their radius \param known handles before \return tags of the new handles
 std::set<int> takeMarks(BendState &state, const BendTags &marks, const std::vector<std::size_t> &marked, double rim,
                         const std::map<vcg::fcd::Index, Eigen::Vector3d> &known);
-/// What a handle holds is free.
+/// Frees what a handle holds.
 void freeHandle(BendState &state, int tag);
 
 #endif

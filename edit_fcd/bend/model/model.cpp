@@ -11,10 +11,10 @@ using vcg::fcd::MotionStep;
 
 namespace {
 
-// From where a handle is mirrored, of the diagonal: the sides of a body are as different as that.
+// Largest distance of a twin from the mirror image, over the diagonal: the sides of a body differ by that much.
 const double farthestTwin = 0.05;
 
-/// Where a handle is at rest, in the world: the vertex of a point, else its middle.
+/// A handle's position at rest, world: the vertex of a point, else the middle.
 Eigen::Vector3d placeOf(const BendModel &model, int tag) {
     const auto point = model.state.points.find(tag);
     return point == model.state.points.end() ? model.rest(tag)
@@ -92,7 +92,7 @@ int mirrored(const BendModel &model, int tag) {
     if (model.options.mirror < 0 || !model.influence.isHandle(tag))
         return 0;
     const Eigen::Vector3d own = placeOf(model, tag), there = mirrorOf(model) * own;
-    int found = tag; // in the middle, it is its own
+    int found = tag; // on the mirror plane, it is its own twin
     double least = std::min(farthestTwin * model.ground.diagonal, (own - there).norm());
     for (const int other : model.influence.handles()) {
         const double distance = (placeOf(model, other) - there).norm();
@@ -126,8 +126,8 @@ bool turnsLimb(const BendModel &model, int tag) { return jointOf(model, tag).has
 
 namespace {
 
-// Of the bone before it: what is beyond an elbow or a knee is about as long as that; a finger, or a foot, is shorter,
-// and turns alone.
+// Least length of each of two bones, over the other. Beyond an elbow or a knee, both are about as long. A finger or a
+// foot is shorter, and turns alone.
 const double shortestBone = 0.4;
 
 } // namespace
@@ -193,7 +193,7 @@ void setMotion(BendModel &model, const std::map<int, std::vector<MotionStep>> &s
 
 void setMotionText(BendModel &model, int tag, const std::string &text) {
     auto motion = vcg::fcd::ReadMotionText(std::to_string(tag) + ": " + text, "The motion");
-    vcg::fcd::ToMotion(motion[tag], model.rest(tag)); // to say what is wrong with it
+    vcg::fcd::ToMotion(motion[tag], model.rest(tag)); // throws if it is wrong
     setMotion(model, motion);
 }
 
@@ -202,14 +202,14 @@ void setMotions(BendModel &model, const std::string &text) {
     for (const auto &[tag, steps] : motion) {
         if (!model.influence.isHandle(tag))
             throw vcg::fcd::Error("The motions move handle " + std::to_string(tag) + ", but no vertex has that tag.");
-        vcg::fcd::ToMotion(steps, model.rest(tag)); // to say what is wrong with it
+        vcg::fcd::ToMotion(steps, model.rest(tag)); // throws if it is wrong
     }
     motionByHand(model.state) = std::move(motion);
 }
 
 void setPose(BendModel &model, double percent) {
     if (percent != model.state.pose)
-        model.state.weights.clear(); // a part of a blend is none
+        model.state.weights.clear(); // part of a blend is no blend
     model.options.pose = model.state.pose = percent;
 }
 

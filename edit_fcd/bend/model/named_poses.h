@@ -7,17 +7,17 @@
 #include <optional>
 
 /// \file
-/// Poses that have names, and their key frames: what a person does to the table.
+/// Edits the table of named poses and key frames.
 
-/// A pose more, with a name of its own, and its key frame, a second after the others, as in a table without any.
+/// Adds a pose with a new name, and its key frame, a second after the others, as in a table without key frames.
 vcg::fcd::PoseSequence withPose(vcg::fcd::PoseSequence poses, const std::string &motions);
-/// Key frames that show nothing else go with it, and those after them come earlier.
+/// Removes a pose, and key frames that show nothing else; later ones move forward.
 vcg::fcd::PoseSequence withoutPose(vcg::fcd::PoseSequence poses, std::size_t number);
 vcg::fcd::PoseSequence renamed(vcg::fcd::PoseSequence poses, std::size_t number, const std::string &name);
-/// The pose of a name, other than \p number, none where there is none.
+/// The number of a pose of this name, other than \p number.
 std::optional<std::size_t> poseOfName(const BendState &state, const std::string &name, std::size_t number);
 std::vector<double> aloneOf(std::size_t poses, std::size_t number); ///< 100 % of that one
-/// Percent of each pose, where the motions are a blend of them, else 0.
+/// The weights of the poses, percent; 0 if the motions are no blend of them.
 std::vector<double> weightsOfPoses(const BendState &state);
 /// \throw vcg::fcd::Error there are none
 const vcg::fcd::PoseSequence &expectPoses(const BendState &state);
@@ -27,11 +27,12 @@ const vcg::fcd::PoseSequence &expectAnimation(const BendState &state);
 /// Ascending in time.
 std::vector<vcg::fcd::KeyFrame> keyFrames(const BendState &state);
 vcg::fcd::PoseSequence withKeyFrames(vcg::fcd::PoseSequence poses, std::vector<vcg::fcd::KeyFrame> frames);
-/// What is shown of the poses becomes a key frame, a second after the others. \param moves whether anything does
-/// \throw vcg::fcd::Error no pose is shown
+/// Adds the shown blend as a key frame, a second after the others.
+/// \param moves whether anything is moved \throw vcg::fcd::Error no pose is shown
 vcg::fcd::PoseSequence withKeyFrame(const BendState &state, bool moves);
-/// The frames from one time to another, \p rate a second, each as a key frame: no other table has the same ones where
-/// an easing is cut. All of it as it is. \throw vcg::fcd::Error it ends before it begins, or as FrameTimes
+/// The frames from one time to another, \p rate a second, each as a key frame: a range that cuts an easing has no other
+/// exact table. The whole range is returned unchanged. \throw vcg::fcd::Error the range ends before it begins; as
+/// FrameTimes
 vcg::fcd::PoseSequence partOfAnimation(vcg::fcd::PoseSequence poses, double from, double to, double rate);
 
 #endif

@@ -13,8 +13,8 @@
 
 namespace {
 
-// Of a coarser surface: on it, all that belongs to a handle is found in about 2 ms, and a limb of 10 % of the diagonal
-// is some ten cells thick.
+// Nodes of the coarse surface: the extent of a handle takes about 2 ms, and a limb of 10 % of the diagonal is about ten
+// cells thick.
 const vcg::fcd::Index glanceNodes = 16000;
 
 } // namespace
@@ -59,7 +59,7 @@ void BendReach::clear() {
 /// The slots of nodes, ascending.
 std::vector<std::size_t> BendReach::slotsOf(const std::vector<char> &isNodeIn) const {
     const std::size_t all = surface->nodeOf.size();
-    std::uint64_t eight = 0; // slots at a time: of most large layers, few are in
+    std::uint64_t eight = 0; // tests eight flags at a time: mostly, few are set
     std::vector<char> isIn(all + sizeof(eight), 0);
     std::size_t count = 0;
     for (std::size_t u = 0; u < isNodeIn.size(); ++u)
@@ -79,7 +79,7 @@ std::vector<std::size_t> BendReach::slotsOf(const std::vector<char> &isNodeIn) c
 /// One of the vertices of a node.
 std::size_t BendReach::slotOf(vcg::fcd::Index node) const { return slotBy[beginOf[std::size_t(node)]]; }
 
-/// Which nodes are some.
+/// Flags of nodes.
 std::vector<char> BendReach::isAmong(const std::vector<vcg::fcd::Index> &nodes) const {
     std::vector<char> isNodeIn(std::size_t(surface->graph.Size()), 0);
     for (const vcg::fcd::Index u : nodes)
@@ -87,7 +87,7 @@ std::vector<char> BendReach::isAmong(const std::vector<vcg::fcd::Index> &nodes) 
     return isNodeIn;
 }
 
-/// Which nodes have one of the vertices.
+/// Flags of nodes with one of the vertices.
 std::vector<char> BendReach::nodesOf(const std::vector<char> &isIn) const {
     std::vector<char> isNodeIn(std::size_t(surface->graph.Size()), 0);
     for (std::size_t i = 0; i < isIn.size(); ++i)
@@ -117,7 +117,7 @@ const std::vector<std::size_t> &BendReach::of(const std::vector<std::size_t> &ve
 
 namespace {
 
-/// Gives another label to a node and to all that hang together with it by nodes of the same one. \return these
+/// Gives another label to a node, and to all nodes connected with it by nodes of the same label. \return these
 std::vector<vcg::fcd::Index> relabel(const vcg::fcd::Graph &graph, vcg::fcd::Index begin, int to,
                                      std::vector<int> &label) {
     const int before = label[std::size_t(begin)];
@@ -135,7 +135,7 @@ std::vector<vcg::fcd::Index> relabel(const vcg::fcd::Graph &graph, vcg::fcd::Ind
     return all;
 }
 
-// Of the area of the largest piece: a limb is much smaller than its body, where the halves of a bar are about the same.
+// Largest area of a tip, over that of the largest piece: a limb is much smaller than its body, halves of a bar are not.
 const float largestTip = 0.5;
 
 } // namespace
@@ -167,7 +167,7 @@ void BendReach::wait() {
         return;
     coarse = std::make_unique<BendReach>(source);
     coarse->take(std::move(read.coarse));
-    coarse->mostExtents = 2; // at one radius and another
+    coarse->mostExtents = 2; // with two radii
 }
 
 void BendReach::take(std::unique_ptr<vcg::fcd::SurfaceGraph> read) {
@@ -223,7 +223,7 @@ std::vector<std::size_t> BendReach::looseAmong(const std::vector<char> &isIn, do
     return slotsOf(looseNodes(nodesOf(isIn), hair));
 }
 
-/// The nodes of those parts. \param isNodeIn the others
+/// looseAmong() for nodes. \param isNodeIn flags of the set
 std::vector<char> BendReach::looseNodes(const std::vector<char> &isNodeIn, double hair) const {
     const vcg::fcd::Graph &graph = surface->graph;
     const auto cell = float(hair / surface->frame.scale);
@@ -234,7 +234,7 @@ std::vector<char> BendReach::looseNodes(const std::vector<char> &isNodeIn, doubl
     };
     std::vector<char> all(isNodeIn.size(), 0);
     Eigen::AlignedBox3f box;
-    std::set<Cell> met, near; // cells of the others, and those beside them, too
+    std::set<Cell> met, near; // cells of the set; the same and their neighbours
     Cell last{};
     float areaIn = 0;
     std::vector<char> isConnected(partArea.size(), 0);
@@ -272,7 +272,7 @@ std::vector<char> BendReach::looseNodes(const std::vector<char> &isNodeIn, doubl
 
 bool BendReach::Pieces::isTip(std::size_t piece) const { return area[piece] < largestTip * area[largest]; }
 
-/// What is left of the surface beside nodes.
+/// The pieces beside a set of nodes.
 BendReach::Pieces BendReach::piecesBeside(const std::vector<char> &isIn) const {
     const vcg::fcd::Graph &graph = surface->graph;
     const int unknown = -1, cut = -2;
@@ -302,7 +302,7 @@ std::vector<std::size_t> BendReach::tips(const std::vector<char> &isIn) {
     return slotsOf(tipNodes(nodesOf(isIn)));
 }
 
-/// The nodes of the tips that others cut off.
+/// tips() for nodes.
 std::vector<char> BendReach::tipNodes(std::vector<char> isNodeIn) const {
     const Pieces pieces = piecesBeside(isNodeIn);
     for (std::size_t u = 0; u < isNodeIn.size(); ++u)

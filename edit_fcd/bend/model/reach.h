@@ -14,81 +14,85 @@
 #include <optional>
 #include <vector>
 
-/// What belongs to a handle along the surface of the rest shape: vertices, given by their slots, ascending.
+/// The extent of a handle along the surface of the rest shape. All lists are of vertex slots, ascending. Lengths in
+/// world units.
 struct BendExtent {
-    std::vector<std::size_t> vertices; ///< that it was made of
+    std::vector<std::size_t> vertices; ///< of the handle
     double radius = 0;
-    double cut = 0;                  ///< radius of the smallest ball that cuts off a tip of that limb; 0: there is none
+    double cut = 0; ///< radius of the smallest ball that cuts off a tip of the limb; 0: it is on no limb
     std::vector<std::size_t> around; ///< within the radius
-    std::vector<float> share;        ///< of each of these: how much it moves with the handle, from 0 beside what stays
-                                     ///< to 1 at the core
-    std::vector<std::size_t> tips;   ///< of what that cuts off, the tips of the limb that the handle is on
-    std::vector<std::size_t> aside;  ///< the other tips: the head, seen from a shoulder
-    bool isWhole = false;            ///< the next ones are known, too
+    std::vector<float>
+        share; ///< of each of these, how much it moves with the handle: 0 beside what stays, 1 at the core
+    std::vector<std::size_t> tips;   ///< tips of the handle's limb, which the ball of the radius cuts off
+    std::vector<std::size_t> aside;  ///< other tips that it cuts off: for a shoulder, the head
+    bool isWhole = false;            ///< the members below are set
     std::vector<std::size_t> core;   ///< within half the radius
-    std::vector<std::size_t> beyond; ///< those tips, and what the core cuts off, with the loose parts that lie on them
-    std::optional<Eigen::Vector3d> bends; ///< the middle of what bends between the core and what stays, layer units
-    std::optional<Eigen::Vector3d> joint; ///< the same of a limb
+    std::vector<std::size_t> beyond; ///< tips, and what the core cuts off, with loose parts among these
+    std::optional<Eigen::Vector3d>
+        bends; ///< the middle of the strip that bends, between core and fixed part, layer units
+    std::optional<Eigen::Vector3d> joint; ///< the same, only on a limb
 
-    float shareOf(std::size_t slot) const; ///< how much any vertex moves with the handle, from 0 to 1
+    float shareOf(std::size_t slot) const; ///< how much any vertex moves with the handle, [0, 1]
 };
 
-/// What lies within some distance of vertices, along the surface of the rest shape.
+/// Distances, extents and limbs along the surface of the rest shape. Lengths in world units.
 class BendReach {
   public:
-    /// The surface at rest, and what lengths are measured by, that of the layer's matrix.
+    /// Gives the surface at rest, and the linear part of the layer's matrix.
     using Source = std::function<std::pair<std::shared_ptr<const vcg::fcd::SurfaceArrays>, Eigen::Matrix3d>()>;
-    /// \param source asked when something of the surface is, first
+    /// \param source called when the surface is first needed
     explicit BendReach(Source source) : source(std::move(source)) {}
 
-    /// Begins to read the surface at rest in the background, if it is not read; questions about it wait until it is.
+    /// Begins to read the surface at rest in the background. All questions below wait for it.
     void begin();
     void clear();
-    bool isRead() const; ///< then no question waits
-    /// The same for a coarser surface, a few milliseconds' work for what is shown while the mouse moves.
+    bool isRead() const; ///< no question would wait
+    /// The same on a coarser surface: a few milliseconds for each question, for what is shown while the mouse moves.
     BendReach &glance();
 
     /// The faces of each vertex, null while the surface is being read.
     const VertexFaces *faces();
 
-    /// The vertices within \p radius of some, given by their slots.
+    /// The vertices within \p radius of some vertices, slots.
     const std::vector<std::size_t> &of(const std::vector<std::size_t> &vertices, double radius);
 
-    /// What belongs to a handle of some vertices; whole() finds the rest of it.
+    /// The extent of a handle of some vertices, without the members that whole() sets.
     std::shared_ptr<const BendExtent> extent(const std::vector<std::size_t> &vertices, double radius);
-    /// \param hair as looseAmong() has it
+    /// \param hair as of looseAmong()
     std::shared_ptr<const BendExtent> whole(const std::vector<std::size_t> &vertices, double radius, double hair);
 
-    /// How far a handle of a vertex bends what is around it, until a person says otherwise: twice the thickness of the
-    /// limb that it is on, where a ball of the radius \p usual cuts off a tip of one; else \p usual. World units.
+    /// The default radius of a handle at a vertex: twice the thickness of its limb, if a ball of the radius \p usual
+    /// cuts off a tip; else \p usual.
     double radiusAt(std::size_t slot, double usual);
 
-    /// The vertex whose handle turns all of the limb that another one is on: near the place from where on it is clearly
-    /// thicker than there; that one where this is near. None where it is on no limb. \param usual as radiusAt() has it
-    /// \param hair as looseAmong() has it
+    /// The vertex whose handle turns the whole limb of another vertex: near the limb's root, where it becomes clearly
+    /// thicker. If the root is near, it is the vertex itself; none on no limb. \param usual as of radiusAt()
+    /// \param hair as of looseAmong()
     std::optional<std::size_t> rootOfLimb(std::size_t slot, double usual, double hair);
 
-    /// What belongs to the handle of what lies beyond a vertex, on the way to another one: it bends at the first one,
-    /// as wide as the limb is thick there. On no limb it is around the other one, and the first one in the middle of
-    /// what bends. Null where what lies beyond is the larger part, or no surface leads there. \param usual, hair as
-    /// rootOfLimb() has them \return and whether that is of a limb
+    /// The extent of a handle that turns the limb beyond the vertex \p from, towards \p to: it bends at \p from, in a
+    /// strip as wide as the limb is thick there. On no limb, it is an extent around \p to, and the middle of its strip
+    /// is at \p from. Null if the larger part lies beyond, or no surface leads to \p to. \param usual, hair as of
+    /// rootOfLimb() \return also whether it is on a limb
     std::pair<std::shared_ptr<const BendExtent>, bool> beyond(std::size_t from, std::size_t to, double usual,
                                                               double hair);
 
-    /// What hangs together with a vertex along the surface, of some. \param isIn one per vertex slot, these, the
-    /// vertex among them
+    /// The vertices connected with a vertex along the surface, among a set. \param isIn flags of vertex slots, true for
+    /// the vertex
     std::vector<std::size_t> piece(std::size_t slot, const std::vector<char> &isIn);
 
-    /// The vertices of the tips that others cut off from the rest of the surface: of the pieces that are left beside
-    /// them, those that are clearly smaller than the largest one. \param isIn one per vertex slot, the others
+    /// The tips that a set of vertices cuts off: pieces of the rest that have less than half the area of the largest.
+    /// \param isIn flags of vertex slots: the set
     std::vector<std::size_t> tips(const std::vector<char> &isIn);
 
-    /// The vertices of parts that are not connected with others, but lie among them, and are clearly smaller: nails of
-    /// a hand. \param isIn one per vertex slot, the others \param hair beyond the box of these, world units
+    /// The loose parts among a set of vertices: not connected with it, close to it, and of less than half its area,
+    /// like the nails of a hand. \param isIn flags of vertex slots: the set \param hair how far parts may lie beyond
+    /// the set's box, world units
     std::vector<std::size_t> looseAmong(const std::vector<char> &isIn, double hair);
 
-    /// The vertex that is pulled where someone points at another one, of a part that is no larger than some hairs: the
-    /// nearest one of a part that is clearly larger, if there is one within \param hair, world units; else that one.
+    /// The vertex to pull if the user points at one of a tiny part: the nearest vertex of a part with more than twice
+    /// the area, if it is within \p hair (world units) and the own part reaches no farther than two of these; else the
+    /// vertex itself.
     std::size_t carrierOf(std::size_t slot, double hair);
 
   private:
@@ -96,7 +100,7 @@ class BendReach {
     std::optional<std::size_t> rootBefore(std::size_t slot, double usual, double hair);
     void take(std::unique_ptr<vcg::fcd::SurfaceGraph> read);
     struct Pieces {
-        std::vector<int> of;     ///< each node: a number from 0; negative: it is of none
+        std::vector<int> of;     ///< of each node: number of its piece, < 0: none
         std::vector<float> area; ///< frame units^2
         std::size_t largest = 0;
         bool isTip(std::size_t piece) const;
@@ -118,20 +122,20 @@ class BendReach {
 
     Source source;
     std::unique_ptr<vcg::fcd::SurfaceGraph> surface;
-    std::unique_ptr<VertexFaces> facesOfVertices; ///< of the surface that is not coarse
-    std::unique_ptr<BendReach> coarse;            ///< null: there are few nodes anyway
+    std::unique_ptr<VertexFaces> facesOfVertices; ///< of the fine surface
+    std::unique_ptr<BendReach> coarse;            ///< null: the surface has few nodes
     struct Surfaces {
         std::unique_ptr<vcg::fcd::SurfaceGraph> fine, coarse;
         std::unique_ptr<VertexFaces> faces;
     };
-    std::future<Surfaces> pending;              ///< valid while they are being read
-    std::vector<std::uint32_t> beginOf, slotBy; ///< where the slots of each node begin, and these, ascending
-    std::vector<int> partOf;                    ///< of each node of the surface, the connected part
-    std::vector<float> partArea;                ///< frame units^2
-    std::vector<std::size_t> reached, from;     ///< those of the last
+    std::future<Surfaces> pending;              ///< valid while the surface is being read
+    std::vector<std::uint32_t> beginOf, slotBy; ///< the slots of node u: slotBy from beginOf[u] on, ascending
+    std::vector<int> partOf;                    ///< of each node: its connected part
+    std::vector<float> partArea;                ///< of each part, frame units^2
+    std::vector<std::size_t> reached, from;     ///< result and argument of the last call of of()
     double within = 0;
-    std::size_t mostExtents = 24; ///< as many handles as a person has; of a large layer each is some megabytes
-    std::list<std::shared_ptr<BendExtent>> extents; ///< the last ones, the last first
+    std::size_t mostExtents = 24; ///< as many as a user has handles; each is some megabytes for a large layer
+    std::list<std::shared_ptr<BendExtent>> extents; ///< a cache, the last used one first
 };
 
 #endif

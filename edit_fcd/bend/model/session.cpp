@@ -60,7 +60,7 @@ bool BendSession::isAsLeft() const {
 
 namespace {
 
-/// The live vertex nearest to a place, both in the layer. \param isDeleted, at of a slot, of \p count
+/// The live vertex nearest to a place, layer units. \param count of slots \param isDeleted, at of a slot
 template <class IsDeleted, class At>
 std::optional<std::size_t> nearestOf(std::size_t count, const Eigen::Vector3d &place, const IsDeleted &isDeleted,
                                      const At &at) {
@@ -115,7 +115,7 @@ Eigen::Vector3d BendSession::positionOf(std::size_t slot) const {
                                                                : besides->position[slot]);
 }
 
-/// Reads the surface at rest, if that has not been done, or its faces are others since.
+/// Reads the surface at rest, if it is not read, or the faces have changed.
 void BendSession::readSurface() {
     if (besides && surface)
         return;
@@ -148,7 +148,7 @@ void BendSession::endBeside() {
 
 // --- changes ---
 
-/// The state is another one.
+/// Updates all after undo, redo or cancel has set the state.
 void BendSession::takeState() {
     crossApplies();
     if (loads != state().loads) {
@@ -186,7 +186,7 @@ int BendSession::addPoint(std::size_t slot, double usual) {
     return addAt(slot, reach.radiusAt(slot, usual));
 }
 
-/// A new handle around a vertex, and its twin.
+/// Adds a handle around a vertex, and its twin.
 int BendSession::addAt(std::size_t slot, double radius) {
     const auto add = [&, rank = rankOfNew(state())](std::size_t at) {
         assert(canBecomePoint(data, at));
@@ -234,7 +234,7 @@ void BendSession::makeGrip(int tag) {
         makeGrip(other);
 }
 
-/// The nearest handle that was turned, on the way from a vertex to what its limb hangs on; 0: none.
+/// The nearest turned handle from a vertex towards the body; 0: none.
 int BendSession::turnedLimb(std::size_t slot) const {
     int found = 0;
     std::size_t least = 0;
@@ -251,7 +251,7 @@ int BendSession::turnedLimb(std::size_t slot) const {
     return found;
 }
 
-/// Where the handle of a limb would be that a vertex is on; none where it is on none.
+/// The vertex for a new handle of a vertex's limb; none if it is on no limb.
 std::optional<std::size_t> BendSession::newLimb(std::size_t slot, double usual) {
     BendReach &glance = reach.glance();
     const double hair = usualGap(rest.diagonal());
@@ -313,7 +313,7 @@ void BendSession::removeHandle(int tag) {
 void BendSession::reset() {
     motionByHand(data.state).clear();
     if (state().poses || state().rank.empty())
-        return; // what handles bend is the named poses', too
+        return; // named poses rely on what handles bend
     data.state.rank.clear();
     changeTags();
 }

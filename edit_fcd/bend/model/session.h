@@ -22,22 +22,22 @@ namespace vcg::fcd {
 struct SequenceReport;
 }
 
-/// How the filters are asked for what the panel says.
+/// The filters' parameters for the panel's options.
 vcg::fcd::DeformationParam deformationOf(const BendOptions &options);
 
 /// A stroke along a limb, from its joint towards its end; slots of vertices.
 struct BendStroke {
     std::size_t from, to;
-    Eigen::Vector3d through; ///< the middle of what is seen at its begin, world: where it turns on no limb
+    Eigen::Vector3d through; ///< the middle of the body at its begin, as seen; the pivot if it is on no limb; world
 };
 
-/// A layer while it is bent: its rest shape, a BendModel, and the deformer that is prepared for that. Knows nothing of
-/// mouse and screen.
+/// A layer while it is bent: its rest shape, a BendModel, and the deformer prepared for it. It knows neither mouse nor
+/// screen.
 ///
-/// The layer has the pose; its colours, quality and textures are as they were, and its tags are marks. leave() makes
-/// the pose what a filter would have made of it; the session goes on when the tool comes back. Motions and places are
-/// in the world, after the layer's matrix. (More than 25 functions: a layer has marks, poses with names and a shape,
-/// and what changes one of these changes them all.)
+/// The layer shows the pose; its tags are the marks, and colours, quality and textures are unchanged. leave() gives it
+/// the exact pose that a filter makes. The session continues when the tool comes back. Motions and places are in world
+/// units, after the layer's matrix. (It has more than 25 functions: a change of marks, named poses or shape changes all
+/// of them.)
 class BendSession {
   public:
     /// The present shape of \p layer becomes the rest shape, its tags the marks.
@@ -46,122 +46,120 @@ class BendSession {
 
     /// Whether the layer has as many vertices and faces as it had.
     bool fits() const { return rest.fits(); }
-    /// Goes on with what the layer keeps of an earlier session or a file: rest shape, handles, motions, line and
-    /// options. \return whether it keeps any of these \throw vcg::fcd::Error they do not fit the layer; nothing has
-    /// changed
+    /// Continues with what the layer keeps of an earlier session or a file: rest shape, handles, motions, line and
+    /// options. \return whether it keeps any \throw vcg::fcd::Error they do not fit the layer; nothing has changed
     bool goOn();
-    /// Undo leads back to what another session knew of the layer, if that began from the same shape.
+    /// Takes over the undo history of another session of the layer, if that began from the same shape.
     void follow(BendSession &&before);
 
-    /// Whether the layer has the shape, and the marks, that it was given here; if not, something else changed it.
+    /// Whether the layer has the shape and marks that it got here; if not, something else changed it.
     bool isUpToDate() const;
-    /// The same, of all that a filter may have changed while the tool was elsewhere.
+    /// The same for all that a filter may have changed while the tool was on another layer.
     bool isAsLeft() const;
 
     const BendModel &model() const { return data; }
-    /// To be changed: motions, what is said of handles, the line and options. All else changes by functions of this.
+    /// Change only motions, BendHandle data, line and options here; for all else there are functions below.
     BendModel &edit() { return data; }
     const BendState &state() const { return data.state; }
     const BendTags &tags() const { return *data.influence.tags; }
     const RestGuard &restShape() const { return rest; }
     double diagonal() const { return rest.diagonal(); }              ///< of the bounding box
-    const BendTags *marksBeingMade() const { return marking.get(); } ///< null: nothing is being marked
+    const BendTags *marksBeingMade() const { return marking.get(); } ///< null if nothing is being marked
 
     Eigen::Vector3d positionOf(std::size_t slot) const; ///< in the pose
     /// The free or held vertex nearest to \p place in the pose, and how far it is. \return none in an empty layer
     std::optional<std::size_t> nearest(const Eigen::Vector3d &place, double &distance) const;
 
-    /// Begins to read the surface, beside what is done next, that handles need.
+    /// Begins to read the surface for handles, in the background.
     void readAhead() { reach.begin(); }
     /// The faces of each vertex, null while the surface is being read.
     const VertexFaces *faces() { return reach.faces(); }
-    /// What would go with a vertex under the mouse, or with a handle of a vertex, about as it will be: null while the
-    /// surface is being read. \param usual as addPoint() has it
+    /// A preview of the extent of a new handle at a vertex, or of a handle, on the coarse surface. Null while the
+    /// surface is being read. \param usual as of addPoint()
     std::shared_ptr<const BendExtent> glimpse(std::size_t slot, double usual);
     std::shared_ptr<const BendExtent> glimpseOf(int tag);
-    /// The same of the limb that limbAt() would turn, of a vertex or a handle. \return with its handle, 0: a new one
+    /// The same for the limb that limbAt() would turn, at a vertex or a handle. \return also its handle, 0: a new one
     std::pair<int, std::shared_ptr<const BendExtent>> glimpseLimb(int tag, std::optional<std::size_t> slot,
                                                                   double usual);
-    /// The same of what strokeAt() would turn, and where that turns now, world.
+    /// The same for what strokeAt() would turn, with its present pivot, world.
     struct Turned {
         int tag = 0;                              ///< 0: a new handle
-        std::shared_ptr<const BendExtent> extent; ///< null: there is nothing
+        std::shared_ptr<const BendExtent> extent; ///< null: nothing would turn
         Eigen::Vector3d pivot = Eigen::Vector3d::Zero();
     };
     Turned glimpseStroke(const BendStroke &stroke, double usual);
-    /// Where a place at rest is seen now, by a vertex that it goes with; world.
+    /// The present position of a point at rest that moves with a vertex; world.
     Eigen::Vector3d seenAt(const Eigen::Vector3d &place, std::size_t slot) const;
-    /// From now to endBeside(), addPoint(), makeGrip(), prepare() and beginAnimation() neither read nor change anything
-    /// of the layer and its document: they may run beside the window, in which the layer can be seen, saved, and go.
+    /// From now to endBeside(), addPoint(), makeGrip(), prepare() and beginAnimation() neither read nor change the
+    /// layer and its document. So they may run in the background, while the layer can be shown, saved or deleted.
     void beginBeside();
-    /// What was done meanwhile counts for the layer, too. \pre the layer is there
+    /// Applies to the layer what was done meanwhile. \pre the layer is there
     void endBeside();
 
     // --- changes; each begins with change(), which undo() takes back ---
 
     void change() {
-        marking.reset(); // of a stroke that was given up
+        marking.reset(); // of a stroke that was cancelled
         marked.clear();
         history.begin(data.state);
     }
     void undo();
     void redo();
-    /// Takes back what was done since the last change(), without a redo.
+    /// Takes back all since the last change(), without a redo.
     void cancel();
 
-    /// Marks vertices; with endMarks() the layer has these marks.
+    /// Marks vertices; endMarks() gives the layer these marks.
     void mark(const std::vector<std::size_t> &vertices, int tag);
-    /// \param rim of what was marked, world units
+    /// \param rim radius of the new marks, world units
     void endMarks(double rim);
     void clearMarks();
-    /// A new handle around a vertex, or around what carries it where that is of a small part, where that is now. \pre
-    /// canBecomePoint(); the layer has the pose at 100 % \param usual radius where the place tells none, world units
+    /// Adds a handle around a vertex (for one of a tiny part, around BendReach::carrierOf()), where it is now.
+    /// \pre canBecomePoint(); the layer has the pose at 100 % \param usual radius if it is on no limb, world units
     /// \return its tag
     int addPoint(std::size_t slot, double usual);
-    /// A point is going to be turned or scaled: it holds all that shall follow, where that is now, and turns about its
-    /// joint, or its vertex. \pre the layer has the pose at 100 %
+    /// Makes a point a grip, which can be turned and scaled: it holds all that is to follow, where that is now, and
+    /// turns about its joint or its vertex. \pre the layer has the pose at 100 %
     void makeGrip(int tag);
-    /// The handle that turns the limb that a vertex is on: the nearest one that was turned, on the way to what it hangs
-    /// on, or else a new one where the limb begins. \pre as addPoint() \return its tag, 0: there is no limb
+    /// The handle that turns the limb of a vertex: the nearest one towards the body that was turned, or else a new one
+    /// at the limb's root. \pre as addPoint() \return its tag, 0: there is no limb
     int limbAt(std::size_t slot, double usual);
-    /// The handle that turns what lies beyond the begin of a stroke, about the middle of the limb there: one that holds
-    /// that place, or else a new one. \pre, usual as addPoint() \return its tag \throw vcg::fcd::Error it leads along
-    /// no limb, or to what is fixed
+    /// The handle that turns what lies beyond the begin of a stroke, about the middle of the limb there: one that
+    /// already holds that place, or else a new one. \pre, usual as addPoint() \return its tag \throw vcg::fcd::Error
+    /// the stroke leads along no limb, or to fixed vertices
     int strokeAt(const BendStroke &stroke, double usual);
-    /// How far a handle, and its twin, bend what is around them where nothing is marked as fixed, world units; within
-    /// what the panel has room for.
+    /// Sets the radius within which a handle and its twin bend the surface if nothing is marked as fixed, world units;
+    /// clamped to the panel's range.
     void setRadius(int tag, double radius);
-    /// Sets it for what hangs together with a vertex that is marked as fixed, and is so, too.
+    /// Sets the radius for a vertex that is marked as fixed, and for fixed vertices connected with it.
     void setRimAt(std::size_t slot, double radius);
     void removeHandle(int tag); ///< its vertices are free
-    /// All motions; and no handle keeps what others had bent, unless there are poses with names, which may rely on
-    /// that.
+    /// Resets all motions. Ranks are reset, too, unless there are named poses, which may rely on them.
     void reset();
 
-    // --- poses that have names, which the layer keeps as FCD: Pose Sequence knows them (session_poses.cpp) ---
+    // --- named poses, which the layer keeps for FCD: Pose Sequence (session_poses.cpp) ---
 
-    /// Takes the poses that the layer has been given elsewhere. \return whether they are of this surface
+    /// Takes poses that the layer got elsewhere. \return whether they are of this surface
     bool takePoses();
-    /// The layer keeps \p poses. \throw vcg::fcd::Error they make no sense
+    /// Sets the poses, also of the layer. \throw vcg::fcd::Error they make no sense
     void setPoses(vcg::fcd::PoseSequence poses);
-    /// The motions become a pose, shown alone. \return the filter call that makes it
-    /// \throw vcg::fcd::Error there are no motions
+    /// Makes a pose of the motions, and shows it alone.
+    /// \return the filter call that makes it \throw vcg::fcd::Error there are no motions
     std::string keepPose();
-    /// A pose takes the place of another one, whose name it gets, and which is gone.
+    /// Replaces pose \p other by pose \p number, which gets its name.
     void replacePose(std::size_t other, std::size_t number);
     void removePose(std::size_t number);
-    /// The motions become the blend of the poses. \throw vcg::fcd::Error a pose moves what is no handle here
+    /// Sets the motions to a blend of the poses. \throw vcg::fcd::Error a pose moves a handle that does not exist
     void blend(const std::vector<double> &weights);
-    /// Poses of a file take the place of those that there are. \throw vcg::fcd::Error as readPoses
+    /// Replaces all poses by those of a file. \throw vcg::fcd::Error as readPoses
     void loadPoses(const QString &file);
-    /// Begins to show the animation, which is no change, as long as nothing else is posed. \return seconds that it
-    /// takes \throw vcg::fcd::Error there is none, as blend(), or as prepare()
+    /// Begins to show the animation, until something else is posed. It is no change. \return its length, seconds
+    /// \throw vcg::fcd::Error there is none; as blend() and prepare()
     double beginAnimation(const vcg::fcd::Progress &progress);
-    /// \param time seconds since it began
+    /// \param time seconds since the begin
     void showAnimation(double time);
     void endAnimation() { solver.endBlends(); }
 
-    /// What the shapes of blends follow from: while it is the same, so are they.
+    /// All that the shapes of blends depend on: if it is equal, so are they.
     struct BlendSource {
         std::shared_ptr<const BendTags> tags;
         std::shared_ptr<const vcg::fcd::PoseSequence> poses;
@@ -173,21 +171,22 @@ class BendSession {
         }
     };
     BlendSource blendSource() const;
-    /// Finds these shapes. \return null where a pose moves what is no handle here \pre not beside the window
+    /// Computes these shapes. \return null if a pose moves a handle that does not exist \pre not between beginBeside()
+    /// and endBeside()
     std::shared_ptr<BlendShapes> blendShapes();
 
-    /// What is exported, as it was when that was asked for.
+    /// A snapshot of an animation for export.
     struct Animation {
-        vcg::fcd::PoseSequence poses; ///< whose motions name no layer
+        vcg::fcd::PoseSequence poses; ///< their motions name no layer
         std::vector<vcg::fcd::KeyFrame> key;
         std::string name; ///< of the layer
         vcg::fcd::SurfaceLook look;
-        std::vector<std::string> remarks; ///< on that
+        std::vector<std::string> remarks; ///< on the look
     };
-    /// \throw vcg::fcd::Error there is none, or not in that range
+    /// \throw vcg::fcd::Error there is none in that range
     Animation animation(const AnimationExport &how);
-    /// Writes it as FCD: Pose Sequence does, beside the window too. \param files that get it: once they are saved
-    /// \throw vcg::fcd::Error as blend(), prepare() and WriteFrames, or a file that cannot be written
+    /// Writes it as FCD: Pose Sequence does; may run in the background. \param files get it; call their save afterwards
+    /// \throw vcg::fcd::Error as blend(), prepare() and WriteFrames; or the file cannot be written
     vcg::fcd::SequenceReport exportAnimation(const Animation &animation, const AnimationExport &how, FilesToSave &files,
                                              const vcg::fcd::Progress &progress);
     /// The filter call that writes the same.
@@ -200,29 +199,29 @@ class BendSession {
         double prepare = 0, solve = 0, write = 0;
     };
 
-    /// Solves and writes the pose into the layer's positions and normals. \param full from rest to the end, as the
-    /// filters do, with normals of faces and the bounding box; otherwise some steps from the last pose
-    /// \param faces normals of faces in any case \throw vcg::fcd::Error
+    /// Solves the pose, and writes it to the layer's positions and normals. \param full from rest to the end, as the
+    /// filters do, with normals of faces and the bounding box; false: some steps from the last pose \param faces
+    /// normals of faces in any case \throw vcg::fcd::Error
     Times pose(bool full, bool faces = false);
-    /// Prepares the deformer if it is not; the layer keeps the shape that it has. \throw vcg::fcd::Error
-    /// \throw vcg::fcd::Cancelled \return milliseconds
+    /// Prepares the deformer, if needed; the layer keeps its shape. \throw vcg::fcd::Error \throw vcg::fcd::Cancelled
+    /// \return milliseconds
     double prepare(const vcg::fcd::Progress &progress = {});
     int nodes() const { return solver.prepared() ? int(solver.prepared()->deformer->Nodes()) : 0; }
-    /// The rest shape again, to the bit.
+    /// Restores the rest shape, to the bit.
     void restore();
-    /// Looks where the pose passes through itself and did not at rest, in layers with no more than
-    /// vcg::fcd::contactUnasked faces: as long as several steps of a drag. \pre the last pose was a full one
+    /// Finds contact in layers with at most vcg::fcd::contactUnasked faces; takes as long as several steps of a drag.
+    /// \pre the last pose was a full one
     void findContact();
-    /// What that has found; empty since the next pose.
+    /// The contact of the last pose, if it was looked for.
     const vcg::fcd::SurfaceContact &contact() const { return contactOfPose; }
 
-    /// The layer gets the present pose as FCD: Pose in Place gives it. It stays a pose of the rest shape, and the
-    /// session goes on if the layer isAsLeft(). \return the filter calls, empty where the layer has it already, or is
-    /// at rest
+    /// Gives the layer the present pose as FCD: Pose in Place makes it. It stays a pose of the rest shape, and the
+    /// session continues if the layer isAsLeft(). \return the filter calls; empty if the layer has the pose already, or
+    /// is at rest
     std::string leave(const Remark &remark);
-    /// The same, and that becomes the rest shape.
+    /// The same, and the pose becomes the rest shape.
     std::string applyInPlace(const Remark &remark);
-    /// The layer is at rest, and new layers hold the pose as FCD: Deform Mesh gives it; one of them is the current
+    /// Resets the layer, and adds layers with the pose as FCD: Deform Mesh makes it; one of them becomes the current
     /// layer. \return the filter call
     std::string applyToNewLayer(bool graphLayers, const Remark &remark);
 
@@ -265,11 +264,11 @@ class BendSession {
     void crossApplies();
     void forgetWhatIsGone();
 
-    /// How a filter is told of the motions.
+    /// The motions for a filter call.
     struct Call {
-        std::string transforms; ///< as "Motions as text" takes them
+        std::string transforms; ///< for "Motions as text"
         double pose;            ///< percent
-        bool isExact;           ///< it makes what is shown to the bit
+        bool isExact;           ///< it makes the shown shape, to the bit
     };
     std::string filterCall(const std::string &script, const Call &call, bool graphLayers) const;
     std::string sequenceCall(bool hasTable) const;
@@ -285,38 +284,38 @@ class BendSession {
     BendReach reach;
     BendModel data;
 
-    /// What was applied.
+    /// The state before an apply in place.
     struct Applied {
         BendState state;
         BendOptions options;
-        std::uint64_t rest; ///< shape, as shapeOf tells it
+        std::uint64_t rest; ///< shapeOf its rest shape
     };
 
-    History<BendState> history{32};        // each may hold tags of its own
-    std::vector<Applied> applied;          ///< also what has been undone
-    std::size_t applies = 0;               ///< that led to the present rest shape
-    std::shared_ptr<const ToolState> kept; ///< what the layer keeps of all this, since that was known last
-    std::vector<BendOptions> optionsOf{1}; ///< by loads: what the options were when that was left
-    std::size_t loads = 0;                 ///< that led to the present options
-    std::shared_ptr<BendTags> marking;     ///< the marks, while they change
-    std::vector<std::size_t> marked;       ///< where, then
+    History<BendState> history{32};        // each state may have its own tags
+    std::vector<Applied> applied;          ///< also undone ones
+    std::size_t applies = 0;               ///< number of those that led to the present rest shape
+    std::shared_ptr<const ToolState> kept; ///< what the layer keeps of this session
+    std::vector<BendOptions> optionsOf{1}; ///< by number of loads: the last options there
+    std::size_t loads = 0;                 ///< number of loads that led to the present options
+    std::shared_ptr<BendTags> marking;     ///< the marks during a stroke
+    std::vector<std::size_t> marked;       ///< vertices of the stroke
 
-    std::shared_ptr<const vcg::fcd::SurfaceArrays> surface; ///< at rest, once it has been read
-    std::uint64_t facesOfSurface = 0;                       ///< facesOf the mesh then
+    std::shared_ptr<const vcg::fcd::SurfaceArrays> surface; ///< at rest; null until it is read
+    std::uint64_t facesOfSurface = 0;                       ///< facesOf() the mesh when it was read
     vcg::fcd::SurfaceContact contactOfPose;
 
-    /// What is done beside the window has in the place of the layer, and of the document.
+    /// Copies that work in the background uses instead of the layer and the document.
     struct Beside {
-        std::vector<Point3m> position;            ///< as the layer shows them; empty: it is at rest
-        std::map<std::string, std::string> poses; ///< motions of the named poses: the same without names of layers
-        bool arePosesNew = false;                 ///< the layer has not got them yet
+        std::vector<Point3m> position;            ///< of the layer; empty: at rest
+        std::map<std::string, std::string> poses; ///< motions of the named poses, to the same without names of layers
+        bool arePosesNew = false;                 ///< the layer does not have them yet
     };
     std::unique_ptr<Beside> besides; ///< between beginBeside() and endBeside()
 
     PoseSolver solver;
-    bool isMarkedHere = false; ///< the layer has marks, not other tags
-    bool isLeft = false;       ///< the layer has what leave() gave it
-    bool isFresh = false;      ///< prepared since a pose was written: what others have moved, this one may not move
+    bool isMarkedHere = false; ///< the layer's tags are the marks
+    bool isLeft = false;       ///< the layer has the shape of leave()
+    bool isFresh = false; ///< prepared since the last pose was written: vertices that were moved may have to be reset
 };
 
 #endif

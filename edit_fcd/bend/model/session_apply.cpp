@@ -7,7 +7,7 @@
 #include <layer_fcd/marks.h>
 #include <layer_fcd/tagging.h>
 
-// How a bend becomes what a filter would have made of it.
+// Applies a bend exactly as the filters would.
 
 HandleParam BendSession::handleParam() const {
     HandleParam param;
@@ -17,7 +17,7 @@ HandleParam BendSession::handleParam() const {
     return param;
 }
 
-/// The layer at rest, with the tags that the filters read: marks, and what points bend.
+/// Resets the layer, and gives it the tags for filters: marks, and what points hold.
 void BendSession::handOver() {
     restore();
     writeAppliedTags();
@@ -30,7 +30,7 @@ void BendSession::writeAppliedTags() {
     writeTags(document, layer, tags(), target);
 }
 
-/// What makes of the layer what a filter does; a blend of poses has the bits that it is shown with.
+/// A deformer that makes what a filter makes. For a blend of poses, it has the shown shape, to the bit.
 LayerDeformer BendSession::applying(const Remark &remark) {
     LayerDeformer deformer(document, layer, solver.preparedLayers(), remark);
     if (!state().weights.empty())
@@ -42,7 +42,7 @@ LayerDeformer BendSession::applying(const Remark &remark) {
     return deformer;
 }
 
-/// The layer gets the pose as FCD: Pose in Place gives it. \return the calls
+/// Gives the layer the pose as FCD: Pose in Place makes it. \return the filter calls
 std::string BendSession::poseByFilter(const Remark &remark) {
     PoseParam param;
     param.handles = handleParam();
@@ -50,8 +50,7 @@ std::string BendSession::poseByFilter(const Remark &remark) {
     handOver();
     std::string calls;
     if (RestShape::exists(layer) && RestShape(layer).shape() != shapeOf(layer.cm)) {
-        resetPose(document, layer, {true, ResetPoseParam::LastShape},
-                  {}); // poses begin with the shape that it has here
+        resetPose(document, layer, {true, ResetPoseParam::LastShape}, {}); // poses begin from the present rest shape
         calls = "ms.apply_filter('apply_coord_fcd_reset', keep_shape=True); ";
     }
     applying(remark).pose(param, vcg::fcd::Progress());
@@ -63,7 +62,7 @@ std::string BendSession::leave(const Remark &remark) {
     if (!isMoved(data)) {
         restore();
         if (state().poses)
-            writeAppliedTags(); // for them
+            writeAppliedTags();
     } else if (!isLeft) {
         calls = poseByFilter(remark);
         rest.leave();
@@ -88,7 +87,7 @@ std::string BendSession::applyInPlace(const Remark &remark) {
     return calls;
 }
 
-/// What was moved rests.
+/// Removes all motions.
 void BendSession::forgetMotions() {
     motionByHand(data.state).clear();
     if (!state().marks && !state().poses)
@@ -96,19 +95,19 @@ void BendSession::forgetMotions() {
     updateTags();
 }
 
-/// The present shape is the rest shape of another apply.
+/// Makes the present shape the rest shape, after an apply.
 void BendSession::beginAnew() {
     for (auto &[tag, each] : data.state.handles)
         if (each.pivot)
-            each.pivot = motionAt(data, tag) * *each.pivot; // where it is now is where it rests
+            each.pivot = motionAt(data, tag) * *each.pivot; // the present place is that at rest now
     keepRest();
     data.state.applies = ++applies;
     forgetMotions();
     if (state().poses)
-        setPoses(*state().poses); // which are of this rest shape from now on
+        setPoses(*state().poses); // they belong to this rest shape from now on
 }
 
-/// Makes the rest shape that of the state, whose number of applies is another one.
+/// Restores the rest shape of the state, if its number of applies differs.
 void BendSession::crossApplies() {
     const BendState to = state();
     if (to.applies < applies) {
@@ -128,7 +127,7 @@ void BendSession::crossApplies() {
     data.state = to;
 }
 
-/// Forgets what led to shapes that the layer does not keep.
+/// Forgets states of rest shapes that the layer does not keep.
 void BendSession::forgetWhatIsGone() {
     const std::size_t first = firstKept(layer, applies, [&](std::size_t i) { return applied[i].rest; });
     history.forget([&](const BendState &before) { return before.applies < first; });

@@ -8,14 +8,14 @@
 #include <layer_fcd/marks.h>
 #include <layer_fcd/motion_sources.h>
 
-// The filter calls that make of a layer in a script what is applied here.
+// The filter calls with which a script repeats what is applied.
 
 using vcg::fcd::Motion;
 using vcg::fcd::PoseSequence;
 
 namespace {
 
-/// What the filter calls have in common of the options.
+/// Adds the options that all filter calls share.
 std::string withShape(ScriptCall call, const BendOptions &options) {
     const BendOptions usual;
     if (options.smoothness != usual.smoothness)
@@ -48,8 +48,8 @@ std::string BendSession::sequenceCall(bool hasTable) const {
     return withShape(call.with("handles", 2).with("tag_attribute", appliedTags(document, layer)), data.options);
 }
 
-/// Whether what is shown is one pose, in the filter's own numbers, and no other one turns a handle that this one does
-/// not: where several poses are blended, such a handle keeps its own turn.
+/// The number of the pose, if one is shown alone, in the filter's numbers, and no other pose turns a handle that it
+/// does not turn. (In a blend, such a handle keeps its own turn.)
 std::optional<std::size_t> BendSession::poseOfFilter() const {
     std::optional<std::size_t> shown;
     for (std::size_t i = 0; i < state().weights.size(); ++i)
@@ -81,8 +81,8 @@ BendSession::Call BendSession::callOfPose() const {
     return {vcg::fcd::WriteMotionText(state().motion), data.options.pose, state().weights.empty()};
 }
 
-/// A new layer with what is shown of the poses: the table with one key frame, and the call that reads it. Empty where
-/// the filter has no such parameter.
+/// The calls for a new layer with the shown blend: a table with one key frame, and the call that reads it. Empty if the
+/// filter lacks a parameter.
 std::string BendSession::blendCall() const {
     if (data.options.weights != BendOptions().weights)
         return {};

@@ -7,7 +7,7 @@
 #include <layer_fcd/layer_look.h>
 #include <layer_fcd/save_files.h>
 
-// The animation as a file, as FCD: Pose Sequence writes it.
+// Writes the animation to a file as FCD: Pose Sequence does.
 
 using vcg::fcd::PoseSequence;
 

@@ -12,7 +12,7 @@
 
 #include <algorithm>
 
-// What the layer keeps of a session, for another one, and for files.
+// What the layer keeps of a session, for later sessions and files.
 
 namespace {
 
@@ -23,7 +23,7 @@ bool haveSame(const std::shared_ptr<const BendTags> &a, const std::shared_ptr<co
 
 } // namespace
 
-/// The tags of a layer, null where nothing is tagged. A quality that is no tags counts as nothing.
+/// The tags of a layer, null if there are none. A quality that is no valid tags counts as none.
 std::shared_ptr<const BendTags> BendSession::marksNow(const MeshModel &layer) {
     HandleParam param;
     param.source = HandleParam::Known;
@@ -33,7 +33,7 @@ std::shared_ptr<const BendTags> BendSession::marksNow(const MeshModel &layer) {
 
 std::shared_ptr<const ToolState> BendSession::toolNow() const { return LayerState::known(layer).tool; }
 
-/// The layer keeps what is known here, if that is more than tags of a filter.
+/// Makes the layer keep the state, if it is more than a filter's tags.
 void BendSession::keepState() {
     BendState own = state();
     own.marks.reset();

@@ -9,15 +9,15 @@
 #include <layer_fcd/layer_sequence.h>
 #include <layer_fcd/motion_sources.h>
 
-// Poses that have names, which the layer keeps.
+// Named poses, which the layer keeps.
 
 using vcg::fcd::Error;
 using vcg::fcd::Motion;
 using vcg::fcd::MotionStep;
 using vcg::fcd::PoseSequence;
 
-/// A text of motions that names no layer, which beside the window cannot be asked; the same where it names one that is
-/// not there, which is told by whoever reads it.
+/// A text of motions without names of layers, since work in the background cannot read layers. If a layer is missing,
+/// the text is unchanged: reading it reports that.
 std::string BendSession::inNumbers(const std::string &motions) const {
     if (besides) {
         const auto known = besides->poses.find(motions);
@@ -44,7 +44,7 @@ std::vector<std::map<int, Motion>> BendSession::motionsOfPoses() const {
     return motionsOf(posesInNumbers(), document, layer, data.influence.center, rest.world());
 }
 
-/// Where a pose takes the vertices.
+/// The positions of the vertices in a pose.
 std::vector<Point3m> BendSession::positionsIn(const vcg::fcd::Deformer::Pose &pose) const {
     std::vector<Point3m> position = rest.positions();
     const auto take = [&](std::size_t slot, const Eigen::Vector3d &p, const Eigen::Matrix3f &) {
@@ -55,12 +55,12 @@ std::vector<Point3m> BendSession::positionsIn(const vcg::fcd::Deformer::Pose &po
     return position;
 }
 
-/// The poses that have names leave a handle, which is new, or holds other vertices now, where they did. \param
-/// tagsBefore tags before that \param centerBefore centers then
+/// Changes the named poses so that a handle that is new, or holds other vertices now, stays where they had it.
+/// \param tagsBefore, centerBefore before that change
 void BendSession::keepPlaceInPoses(int tag, std::shared_ptr<const BendTags> tagsBefore,
                                    const std::map<vcg::fcd::Index, Eigen::Vector3d> &centerBefore) {
     const bool isNew = centerBefore.count(tag) == 0;
-    bool isMoving = !isNew; // in any pose
+    bool isMoving = !isNew; // its vertices move in some pose
     for (std::size_t i = 0; !isMoving && i < tags().size(); ++i)
         isMoving = tags()[i] == tag && (*tagsBefore)[i] != 0;
     if (!state().poses || !isMoving)
@@ -96,7 +96,6 @@ bool BendSession::takePoses() {
     return !state().poses || !state().poses->surface || state().poses->surface->IsSame(rest.mark());
 }
 
-/// The layer keeps \p poses.
 void BendSession::setPoses(PoseSequence poses) {
     poses.surface = rest.mark();
     if (!poses.pose.empty())
@@ -112,7 +111,7 @@ void BendSession::writePoses() {
     }
     keepPoses(document, layer, state().poses ? *state().poses : PoseSequence());
     if (state().poses)
-        writeAppliedTags(); // by which the filter knows the handles
+        writeAppliedTags(); // the filter knows handles by their tags
 }
 
 std::string BendSession::keepPose() {
@@ -136,11 +135,11 @@ void BendSession::replacePose(std::size_t other, std::size_t number) {
     data.state.poses = std::make_shared<const PoseSequence>(std::move(poses));
     removePose(number);
     if (wasAlone)
-        blend(aloneOf(state().poses->pose.size(), other < number ? other : other - 1)); // what is shown is what it was
+        blend(aloneOf(state().poses->pose.size(), other < number ? other : other - 1)); // the same shape as before
 }
 
 void BendSession::removePose(std::size_t number) {
-    data.state.weights.clear(); // what they show is the handles' own from now on
+    data.state.weights.clear(); // the motions stay, but are no blend any more
     setPoses(withoutPose(*state().poses, number));
 }
 
@@ -173,7 +172,7 @@ void BendSession::blend(const std::vector<double> &weights) {
 
 void BendSession::loadPoses(const QString &file) {
     PoseSequence poses = readPoses(layer, file, rest.mark());
-    motionsOf(poses, document, layer, data.influence.center, rest.world()); // to say what is wrong with them
+    motionsOf(poses, document, layer, data.influence.center, rest.world()); // throws if they are wrong
     data.state.weights.clear();
     setPoses(std::move(poses));
 }
@@ -193,7 +192,7 @@ void BendSession::showAnimation(double time) {
 
 BendSession::BlendSource BendSession::blendSource() const {
     BlendSource source = {data.influence.tags, state().poses, surface, data.options};
-    source.options.pose = 100; // blends have all of it
+    source.options.pose = 100; // blends do not depend on it
     return source;
 }
 

@@ -7,14 +7,14 @@
 
 #include <vcg/complex/algorithms/update/bounding.h>
 
-// The pose of a layer while it is bent.
+// The pose of a layer.
 
 vcg::fcd::DeformationParam deformationOf(const BendOptions &options) {
     vcg::fcd::DeformationParam param;
     param.smoothness = options.smoothness;
     param.falloff = options.falloff;
     param.elastic = options.elastic;
-    if (!options.elastic) // which goes before, as the panel shows
+    if (!options.elastic) // elastic has precedence, as the panel shows
         param.rigidity = options.rigidity;
     param.pose = options.pose;
     param.graph.initialPatches = options.initialPatches;
@@ -32,7 +32,7 @@ double BendSession::prepare(const vcg::fcd::Progress &progress) {
     return 1000 * watch.Seconds();
 }
 
-/// Vertices alone.
+/// Writes vertices only.
 void BendSession::writePose(const vcg::fcd::Deformer::Pose &pose) {
     contactOfPose = {};
     if (isFresh)

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-// A stroke along a limb tells where that bends, and what turns.
+// A stroke along a limb tells where it bends, and what turns.
 
 Eigen::Vector3d BendSession::seenAt(const Eigen::Vector3d &place, std::size_t slot) const {
     const int holder = tags()[slot];

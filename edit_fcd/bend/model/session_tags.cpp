@@ -7,19 +7,18 @@
 #include <layer_fcd/marks.h>
 #include <layer_fcd/tagging.h>
 
-// What follows from a state that has changed, so that the layer shows what it showed.
+// Updates what follows from a changed state, so that the layer keeps its shape.
 
 using vcg::fcd::MotionStep;
 using vcg::fcd::PoseSequence;
 
-/// Makes the tags that marks and points amount to.
+/// Computes the tags from marks and points.
 void BendSession::updateTags() {
     data.influence = influenceOf(data.state, data.ground, data.influence.tags);
     forgetGone(data);
 }
 
-/// The same, where the state has changed, and has not become another one: motions are what they were, though their
-/// handles hold other vertices.
+/// The same after a change that keeps the motions, though handles may hold other vertices.
 void BendSession::changeTags() {
     const Centers before = data.influence.center;
     updateTags();
@@ -39,8 +38,7 @@ void BendSession::changeTags() {
         setPoses(std::move(poses));
 }
 
-/// changeTags() for a point that is new, or holds more: it stays where the layer, and the poses that have names, show
-/// it.
+/// changeTags() for a point that is new, or holds more: it stays where the layer and the named poses have it.
 void BendSession::changeTagsOf(int tag) {
     const auto tagsBefore = data.influence.tags;
     const Centers centerBefore = data.influence.center;
@@ -49,19 +47,19 @@ void BendSession::changeTagsOf(int tag) {
     keepPlaceInPoses(tag, tagsBefore, centerBefore);
 }
 
-/// A handle has the motion that leaves it where the layer shows it.
+/// Sets a handle's motion to the one that leaves it where it is.
 void BendSession::keepPlace(int tag) {
     if (!rest.isPosed() || state().pose != 100)
         return;
     std::vector<MotionStep> steps = stepsSeen(tag);
     if (steps.empty())
         return;
-    if (state().points.count(tag) > 0) // whose middle is another one when it becomes a grip, or another lies beyond
+    if (state().points.count(tag) > 0) // its middle changes if it becomes a grip, or another handle lies beyond
         setPlaces(steps, data.rest(tag));
     motionByHand(data.state)[tag] = std::move(steps);
 }
 
-/// What a rigid motion can tell of where the layer shows a handle; none where that is at rest.
+/// The rigid motion nearest to how the layer shows a handle, as steps; none if it is at rest.
 std::vector<MotionStep> BendSession::stepsSeen(int tag) const {
     std::vector<std::size_t> held;
     for (std::size_t i = 0; i < tags().size(); ++i)
@@ -114,12 +112,12 @@ void BendSession::clearMarks() {
     writeMarks();
 }
 
-/// Gives the layer the marks.
+/// Writes the marks to the layer.
 void BendSession::writeMarks() {
     dropMarks(layer);
     if (state().marks)
         setMarks(document, layer, *state().marks);
-    else if (marksNow(layer)) // it has tags elsewhere, which are not to be seen
+    else if (marksNow(layer)) // other tags of the layer must not be seen
         setMarks(document, layer, BendTags(layer.cm.vert.size(), 1));
     isMarkedHere = hasMarks(layer);
 }

@@ -75,9 +75,9 @@ std::vector<MotionStep> rigidSteps(const Eigen::Matrix3Xd &from, const Eigen::Ma
         return {};
     Eigen::Affine3d motion = Eigen::Affine3d::Identity();
     motion.translation() = to.rowwise().mean();
-    const Eigen::Vector3d extent = // squared, ascending
+    const Eigen::Vector3d extent = // along the principal axes, squared, ascending
         Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(from * from.transpose()).eigenvalues();
-    if (extent[1] > 1e-12 * extent[2]) // else it has no direction
+    if (extent[1] > 1e-12 * extent[2]) // else points on a line leave the turn open
         motion = Eigen::Affine3d(Eigen::umeyama(from, to, false));
     std::vector<MotionStep> steps = stepsOf(
         vcg::fcd::Motion((Eigen::Translation3d(middle) * motion * Eigen::Translation3d(-middle)).matrix()), middle);

@@ -6,22 +6,22 @@
 
 #include <vector>
 
-/// Steps that make a motion, up to rounding. \param center of the handle at rest, in the world
+/// The steps of a motion, up to rounding. \param center of the handle at rest, world
 std::vector<vcg::fcd::MotionStep> stepsOf(const vcg::fcd::Motion &motion, const Eigen::Vector3d &center);
 
-/// Says in the steps where they turn and scale, which is the middle of their handle until then. \param center of the
-/// handle at rest, in the world \return whether any of them did not say it
+/// Sets the places of turns and scalings explicitly; by default, they are the middle of the handle. \param center of
+/// the handle at rest, world \return whether any step has changed
 bool setPlaces(std::vector<vcg::fcd::MotionStep> &steps, const Eigen::Vector3d &center);
 
-/// The step on the other side of a mirror. (Exact where the layer's matrix keeps angles.)
+/// The step on the other side of a mirror; exact if the layer's matrix keeps angles.
 vcg::fcd::MotionStep mirroredStep(const vcg::fcd::MotionStep &step, const Eigen::Affine3d &mirror);
 
-/// Steps that take places to others as nearly as a rigid motion can, in few digits; none where they hardly move.
-/// \param middle about which they turn \param least way that counts
+/// Steps of the rigid motion that takes points nearest to others, in few digits; none if they hardly move.
+/// \param middle pivot of the turn \param least smallest move that counts
 std::vector<vcg::fcd::MotionStep> rigidSteps(const Eigen::Matrix3Xd &from, const Eigen::Matrix3Xd &to,
                                              const Eigen::Vector3d &middle, double least);
 
-/// A number in few digits, as people would write it; what is kept is what is written.
+/// Rounds a number to few digits, as people write it.
 double inFewDigits(double x);
 Eigen::Vector3d inFewDigits(const Eigen::Vector3d &v);
 

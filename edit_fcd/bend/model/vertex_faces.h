@@ -17,7 +17,7 @@ class VertexFaces {
         forCorners([&](std::uint32_t slot, std::size_t) { ++begin[slot]; });
         std::uint32_t sum = 0;
         for (std::uint32_t &each : begin)
-            each = sum += each; // the end
+            each = sum += each; // the end; becomes the begin below
         faceOf.resize(sum);
         forCorners([&](std::uint32_t slot, std::size_t f) { faceOf[--begin[slot]] = std::uint32_t(f); });
     }
