@@ -4,7 +4,7 @@
 
 #include "edit_fcd/kit/action_table.h"
 
-/// What a key does in the view, or a button of the panel.
+/// The actions of keys in the view and of the panel's buttons.
 struct BendAction {
     // clang-format off
     enum Id {

@@ -44,7 +44,8 @@ BendExportDialog::BendExportDialog(double first, double last, QWidget *parent)
 }
 
 AnimationExport BendExportDialog::asked() const {
-    const auto exact = [](const QDoubleSpinBox &box, double offered) { // which has more decimals than are seen
+    const auto exact = [](const QDoubleSpinBox &box,
+                          double offered) { // the offered value, which has more decimals than the box
         return box.value() == std::clamp(QString::number(offered, 'f', box.decimals()).toDouble(), box.minimum(),
                                          box.maximum())
                    ? offered

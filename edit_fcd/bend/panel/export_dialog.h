@@ -8,12 +8,12 @@
 #include <QDialog>
 #include <QDoubleSpinBox>
 
-/// Asks how an animation is exported; the file is asked for afterwards.
+/// Asks how to export an animation; the tool then asks for the file.
 class BendExportDialog : public QDialog {
   public:
-    /// \param first,last seconds, of the key frames
+    /// \param first,last times of the first and last key frame, seconds
     BendExportDialog(double first, double last, QWidget *parent);
-    /// All but the file. The whole range is first and last to the bit.
+    /// The answers, without the file. The whole range is first and last, to the bit.
     AnimationExport asked() const;
 
   private:

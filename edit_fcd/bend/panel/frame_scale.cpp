@@ -44,5 +44,6 @@ double FrameScale::movedTo(std::size_t which, double x) const {
         time = std::min(time, key[which + 1] - 1 / rate);
     if (which > 0)
         time = std::max(time, key[which - 1] + 1 / rate);
-    return which + 1 < key.size() && time >= key[which + 1] ? key[which] : std::max(0.0, time); // no room: it stays
+    return which + 1 < key.size() && time >= key[which + 1] ? key[which]
+                                                            : std::max(0.0, time); // no room: it does not move
 }

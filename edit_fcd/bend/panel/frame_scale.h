@@ -6,24 +6,24 @@
 #include <optional>
 #include <vector>
 
-/// Where the frames of an animation are along a bar: the first key frame, frame 0, at its left end, the last one at its
-/// right end.
+/// Maps times and frames of an animation to a bar. The first key frame, frame 0, is at its left end, the last one at
+/// its right end. Positions x are pixels.
 struct FrameScale {
-    std::vector<double> key; ///< times of the key frames, seconds, ascending
-    double rate = 24;        ///< frames a second
-    double left = 0, width = 0;
+    std::vector<double> key;    ///< times of the key frames, seconds, ascending
+    double rate = 24;           ///< frames a second
+    double left = 0, width = 0; ///< of the bar, pixels
 
-    /// The number of the last frame, which is not before the last key frame.
+    /// The number of the last frame: at the last key frame, or the next one.
     int last() const;
-    double timeOf(int frame) const; ///< seconds, from the first key frame to the last. \pre there is one
+    double timeOf(int frame) const; ///< seconds, at most that of the last key frame \pre there is a key frame
     int frameOf(double time) const; ///< the nearest one
     double xOf(double time) const;
-    /// The key frame whose mark is nearest, none beyond \p reach.
+    /// The key frame with the nearest mark; none if that is farther than \p reach.
     std::optional<std::size_t> keyAt(double x, double reach) const;
-    /// That of the mark within \p reach, or else of the nearest frame. \pre there is a key frame
+    /// The time of the mark within \p reach, or else of the nearest frame. \pre there is a key frame
     double timeAt(double x, double reach) const;
-    /// Where a key frame that is drawn to \p x goes: a whole number of frames from the first one, as far as at least a
-    /// frame is left to the key frames before and after it. \pre there are two
+    /// The new time of a key frame that is dragged to \p x: that of a frame, at least one frame from the key frames
+    /// before and after it. \pre there are two key frames
     double movedTo(std::size_t which, double x) const;
 };
 

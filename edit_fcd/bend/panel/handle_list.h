@@ -8,7 +8,7 @@
 struct BendHandleRow {
     int tag = 0;
     QString name;
-    QString motion, shortMotion; ///< as it is typed, and as it is shown
+    QString motion, shortMotion; ///< for the editor, and for display
     QColor color;
     bool isShown = true, isLocked = false, isSelected = false;
 };
@@ -24,7 +24,7 @@ class BendHandleList : public CellList {
   signals:
     void selected(int tag);
     void removed(int tag);
-    void edited(BendHandleRow to); ///< what a person makes of it
+    void edited(BendHandleRow to); ///< the edited row
 
   private:
     enum Column { Name, Shown, Locked, Motion, Remove };

@@ -17,7 +17,7 @@ class BendKeyList : public CellList {
 
   public:
     explicit BendKeyList(QWidget *parent = nullptr);
-    /// \param selected the one that is shown in the view, -1: none
+    /// \param selected row that is shown in the view, -1: none
     void show(const std::vector<BendKeyRow> &keys, int selected);
 
   signals:

@@ -13,10 +13,10 @@ using vcg::fcd::Error;
 
 namespace {
 
-/// Without its unit, which there is no room for.
+/// The label without its unit, to save room.
 QString labelOf(const ParameterText &text) { return text.label.section(" (", 0, 0); }
 
-/// The numbers x, y and z, in the host's precision. \throw vcg::fcd::Error they are not three
+/// A vector from three numbers, in the host's precision. \throw vcg::fcd::Error they are not three numbers
 Eigen::Vector3d directionIn(const QLineEdit &edit, const ParameterText &text) {
     const QStringList words = QString(edit.text()).replace(QRegularExpression("[,;]"), " ").simplified().split(' ');
     Eigen::Vector3d direction;
@@ -132,7 +132,7 @@ StraightenMeshParam BendLineBox::param() const {
     param.reverse = reverse->isChecked();
     param.length = asTyped(length->value());
     param.untwist = untwist->isChecked();
-    param.bend.smoothness = asTyped(param.bend.smoothness); // as a filter is handed it
+    param.bend.smoothness = asTyped(param.bend.smoothness); // in the precision that filters get
     return param;
 }
 

@@ -13,7 +13,7 @@
 #include <QLineEdit>
 #include <QWidget>
 
-/// What the panel has for the line that a layer is straightened along.
+/// The part of the panel for the line that a layer is straightened along.
 class BendLineBox : public QWidget {
     Q_OBJECT
 
@@ -22,12 +22,12 @@ class BendLineBox : public QWidget {
     using Layers = std::vector<std::pair<int, QString>>; ///< numbers and names
 
     explicit BendLineBox(QWidget *parent = nullptr);
-    /// Those that are lines themselves; what was chosen stays so.
+    /// Offers layers that are lines; keeps the chosen ones.
     void showLayers(const Layers &layers);
     int lineLayer() const { return source->currentData().toInt(); }   ///< -1: the line is drawn
     int targetLayer() const { return target->currentData().toInt(); } ///< -1: none
     bool isMiddle() const { return middle->isChecked(); }
-    /// The rest of what is asked for, in the host's precision. \throw vcg::fcd::Error a direction that is none
+    /// All other parameters, in the host's precision. \throw vcg::fcd::Error a direction that cannot be read
     StraightenMeshParam param() const;
 
   signals:
@@ -40,7 +40,7 @@ class BendLineBox : public QWidget {
     QComboBox *source, *shape, *target;
     QCheckBox *middle, *reverse, *untwist;
     QDoubleSpinBox *angle, *length;
-    QLineEdit *direction, *towards; ///< three numbers
+    QLineEdit *direction, *towards; ///< three numbers each
     Layers shown;
 };
 

@@ -49,7 +49,7 @@ BendPanel::BendPanel(QWidget *parent) : ToolPanel("FCD: Bend", "fcdBendPanel", 2
 void BendPanel::addModes(QBoxLayout &column) {
     modes = new QButtonGroup(this);
     auto *row = new QHBoxLayout;
-    row->setSpacing(1); // they are one choice, and as wide as the rest of the panel
+    row->setSpacing(1); // one choice, no wider than the panel
     const std::pair<const char *, const char *> textsAndTips[] = {
         // in the order of Mode, and of BendAction
         {"Drag",
@@ -86,7 +86,7 @@ void BendPanel::addMarking(QWidget &place) {
     number = named(new CountBox, "number",
                    bendActions().withKeys("Number of the handle; the next one", BendAction::NextHandle));
     number->setRange(2, 1000000);
-    number->setMaximumWidth(44); // the panel leaves as much as it can to the view
+    number->setMaximumWidth(44); // keeps the panel narrow
     through = named(new QCheckBox("through the mesh"), "through",
                     bendActions().withKeys("Also what is hidden", BendAction::Through));
     row->addWidget(role);
@@ -191,7 +191,7 @@ void BendPanel::showKeys() {
     page->setAttribute(Qt::WA_DeleteOnClose);
     page->setAttribute(Qt::WA_ShowWithoutActivating);
     page->setWindowTitle("FCD: Bend, keys");
-    const QSize room = window()->windowHandle()->screen()->availableSize() * 0.9; // for its frame, too
+    const QSize room = window()->windowHandle()->screen()->availableSize() * 0.9; // leaves room for the window's frame
     const int edge = 2 * page->frameWidth(), width = std::min(900, room.width() - edge);
     text->resize(width, text->heightForWidth(width));
     page->setWidget(text);
@@ -200,7 +200,7 @@ void BendPanel::showKeys() {
     tracePlaces(*this);
 }
 
-/// Esc in a field leaves it, and is not the host's.
+/// Esc in a field leaves the field, and does not reach the host.
 bool BendPanel::event(QEvent *event) {
     const bool isKey = event->type() == QEvent::ShortcutOverride || event->type() == QEvent::KeyPress;
     if (!isKey || static_cast<QKeyEvent *>(event)->key() != Qt::Key_Escape)

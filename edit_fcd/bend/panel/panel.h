@@ -20,7 +20,7 @@
 #include <QSpinBox>
 #include <QToolButton>
 
-/// The panel of the tool: shows and sets, and decides nothing.
+/// The panel of the tool. It shows and sets values, and decides nothing.
 class BendPanel : public ToolPanel {
     Q_OBJECT
 
@@ -33,46 +33,46 @@ class BendPanel : public ToolPanel {
     Mode mode() const { return Mode(modes->checkedId()); }
     void setMode(Mode mode) { modes->button(mode)->setChecked(true); }
     bool isBending() const { return mode() == Drag || mode() == Pull; } ///< a drag moves, and marks nothing
-    /// The tag that is marked with.
+    /// The tag for marking.
     int tag() const;
     void setRole(Role role, int handle);
     bool isThrough() const { return through->isChecked(); }
     void toggleThrough() { through->toggle(); }
-    double radius() const { return radiusPercent->value() / 100; } ///< of a point handle, of the diagonal
-    int brush() const { return brushPixels->value(); }             ///< radius
+    double radius() const { return radiusPercent->value() / 100; } ///< of a new handle, over the diagonal
+    int brush() const { return brushPixels->value(); }             ///< radius, pixels
     void setBrush(int pixels) { brushPixels->setValue(pixels); }
-    void keepSizes() const;                          ///< for the next panel, also of another day
+    void keepSizes() const;                          ///< saves them in the settings
     int pose() const { return poseSlider->value(); } ///< percent
     void setPose(int percent);
-    /// What is asked for, but for the pose, and whether stretch is shown, which are as in \p before.
+    /// The options; pose and stretch are taken from \p before.
     BendOptions options(const BendOptions &before) const;
-    /// Shows them all, without telling that they changed.
+    /// Shows all options, without a signal.
     void showOptions(const BendOptions &options);
     bool showsStretch() const { return stretch->isChecked(); }
     void setStretch(bool shown);
-    /// Whether there is a surface whose stretch can be shown.
+    /// Enables the stretch: there is a surface.
     void allowStretch(bool allowed);
     bool graphLayers() const { return graphs->isChecked(); }
     bool hasOnionSkin() const { return onion->isChecked(); }
-    /// Whether its ghosts are drawn as points, as the layer has so many faces.
+    /// Tells in the tip whether ghosts are drawn as points, since the layer is large.
     void setGhostsArePoints(bool arePoints);
     QString motions() const { return motionText->toPlainText(); }
 
-    /// Shows the handles' motions, unless they are being typed.
+    /// Shows the handles' motions, unless the user is typing there.
     void showMotions(const QString &text);
     void showHandles(const std::vector<BendHandleRow> &rows) { list->show(rows); }
-    void showFigures(const QString &text) { figures->setText(text); } ///< of what is solved
+    void showFigures(const QString &text) { figures->setText(text); } ///< about the solution
     void showKeys();
     BendHandleList &handles() { return *list; }
     BendPoseBox &poses() { return *poseBox; }
     BendLineBox &line() { return *lineBox; }
 
   signals:
-    void optionsChanged(); ///< mode, pose, what shapes the surface, mirror, axes, stretch, onion skin
-    void poseBegins();     ///< before the pose changes, once for each way of the slider
+    void optionsChanged(); ///< pose, shape, mirror, axes, stretch or onion skin
+    void poseBegins();     ///< once before the pose slider is moved
     void modeChosen();
-    void left();             ///< by Esc, in one of its fields
-    void roleChanged();      ///< what is marked, by a person
+    void left();             ///< Esc was pressed in a field
+    void roleChanged();      ///< by the user
     void command(int which); ///< a BendAction
 
   protected:
@@ -100,8 +100,8 @@ class BendPanel : public ToolPanel {
     BendPoseBox *poseBox;
     BendLineBox *lineBox;
     QWidget *marking, *moreOptions;
-    std::vector<std::pair<QToolButton *, QWidget *>> folds; ///< and what they show
-    QPointer<QScrollArea> page;                             ///< of keys
+    std::vector<std::pair<QToolButton *, QWidget *>> folds; ///< with the parts that they show
+    QPointer<QScrollArea> page;                             ///< the page of keys
 };
 
 #endif

@@ -13,7 +13,7 @@
 #include <QSettings>
 #include <QTimer>
 
-// The buttons of the panel, and what they unfold.
+// The buttons of the panel, and the parts that they unfold.
 
 namespace {
 
@@ -45,7 +45,7 @@ void BendPanel::addCommands(QBoxLayout &column) {
     column.addLayout(grid);
 }
 
-/// The buttons that show, or hide, parts of the panel, as it was the last time.
+/// Adds the buttons that show or hide parts of the panel, in the state of the last time.
 void BendPanel::addFolds(QBoxLayout &column) {
     auto *row = new QHBoxLayout;
     row->setSpacing(3);
@@ -77,7 +77,7 @@ void BendPanel::addFolds(QBoxLayout &column) {
     column.addLayout(row);
 }
 
-/// What is unfolded; while a line is given, neither marks nor handles.
+/// Shows the unfolded parts; in the mode Line, neither marks nor handles.
 void BendPanel::showParts() {
     const bool isLine = mode() == Line;
     lineBox->setVisible(isLine);
@@ -90,7 +90,7 @@ void BendPanel::showParts() {
 
 namespace {
 
-/// A row with what a parameter may be.
+/// A row with the choices of a parameter.
 QComboBox *addChoice(QFormLayout &form, const char *name, const ParameterText &words) {
     auto *choice = named(new QComboBox, name, words.help);
     choice->addItems(words.values);
@@ -121,7 +121,7 @@ void BendPanel::addMore(QBoxLayout &column) {
     rigidityValue->setSingleStep(0.1);
     rigidityValue->setValue(1);
     form->addRow("Rigidity", rigidityValue);
-    connect(elastic, &QCheckBox::toggled, rigidityValue, &QWidget::setDisabled); // that keeps its volume is rigid
+    connect(elastic, &QCheckBox::toggled, rigidityValue, &QWidget::setDisabled); // what keeps its volume is rigid
     patchCount = named(new CountBox, "patches",
                        "How many patches the surface is divided into: with more it bends more finely, and takes "
                        "longer. Automatic (0): 100 to 1500, as many as it needs");
@@ -161,7 +161,7 @@ void BendPanel::setGhostsArePoints(bool arePoints) {
                      : ""));
 }
 
-/// Once it has a place.
+/// Scrolls to a part, once it is laid out.
 void BendPanel::scrollTo(QWidget *part) {
     QTimer::singleShot(50, this, [this, part] { scroll->ensureWidgetVisible(part); });
 }

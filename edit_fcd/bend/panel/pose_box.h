@@ -9,7 +9,7 @@
 #include <QPushButton>
 #include <QWidget>
 
-/// What the panel has for poses that have names.
+/// The part of the panel for named poses.
 class BendPoseBox : public QWidget {
     Q_OBJECT
 

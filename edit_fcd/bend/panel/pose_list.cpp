@@ -47,7 +47,7 @@ void BendPoseList::show(const std::vector<BendPoseRow> &poses) {
         return;
     for (int row = 0; row < int(poses.size()); ++row) {
         const QModelIndex place = model()->index(row, Weight);
-        auto *slider = static_cast<QSlider *>(indexWidget(place)); // which stays, as it may be in use
+        auto *slider = static_cast<QSlider *>(indexWidget(place)); // kept, since the user may be dragging it
         if (!slider) {
             slider = named(new QSlider(Qt::Horizontal), QString("weight%1").arg(row), "");
             slider->setRange(0, 100);

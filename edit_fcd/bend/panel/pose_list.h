@@ -10,21 +10,21 @@ struct BendPoseRow {
     double percent = 0;
 };
 
-/// The list of poses, each with how much of it is shown.
+/// The list of poses, each with its weight.
 class BendPoseList : public CellList {
     Q_OBJECT
 
   public:
     explicit BendPoseList(QWidget *parent = nullptr);
     void show(const std::vector<BendPoseRow> &poses);
-    /// Lets a person type the name of the last one.
+    /// Opens the editor for the name of the last pose.
     void nameLast();
 
   signals:
     void chosen(int row);
     void removed(int row);
     void renamed(int row, QString name);
-    void begins(); ///< before a percentage changes, once for each way of a slider
+    void begins(); ///< once before a weight's slider is moved
     void weighted(int row, double percent);
 
   private:

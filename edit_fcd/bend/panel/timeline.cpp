@@ -12,7 +12,7 @@
 namespace {
 
 const int edge = 8, markAt = 8, markSize = 4; // pixels
-const double grasp = 4;                       // so near, a mark is meant
+const double grasp = 4;                       // pixels: a press so near is on a mark
 
 } // namespace
 
@@ -57,7 +57,7 @@ void BendTimeline::paintEvent(QPaintEvent *) {
     small.setPixelSize(10);
     painter.setFont(small);
     std::vector<QRectF> taken;
-    const auto number = [&](double time) { // where there is room
+    const auto number = [&](double time) { // if there is room
         const QString text = QString::number(at.frameOf(time));
         const double wide = painter.fontMetrics().horizontalAdvance(text);
         const double x = std::clamp(at.xOf(time) - wide / 2, 0.0, width() - wide);

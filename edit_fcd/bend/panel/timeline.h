@@ -9,8 +9,8 @@
 
 #include "edit_fcd/bend/panel/frame_scale.h"
 
-/// The key frames as marks on a bar, with the numbers of their frames; a press, and a drag, lead to others. A mark is
-/// drawn to another time with Shift.
+/// The key frames as marks on a bar, with the numbers of their frames. A press or a drag shows the frame there. With
+/// Shift, a mark is dragged to another time.
 class BendTimeline : public QWidget {
     Q_OBJECT
 
@@ -18,12 +18,12 @@ class BendTimeline : public QWidget {
     explicit BendTimeline(QWidget *parent = nullptr);
     /// \param times of the key frames, seconds, ascending
     void show(const std::vector<double> &times);
-    /// The time that is shown in the view, none if no time of the animation is.
+    /// Sets the time that the view shows; none if it shows something else.
     void showTime(const std::optional<double> &time);
-    QString textOf(double time) const; ///< its frame, and the seconds
+    QString textOf(double time) const; ///< frame and seconds
 
   signals:
-    void begins(double time); ///< what the mouse was pressed at: a key frame, or else a frame
+    void begins(double time); ///< pressed at a key frame, or else at a frame
     void goes(double time);
     void ends();
     void keyMoved(int which, double time);
@@ -40,8 +40,8 @@ class BendTimeline : public QWidget {
     std::vector<double> key;
     std::optional<double> shown;
     bool isDragged = false;
-    std::optional<std::size_t> moved; ///< key frame that is drawn
-    double movedTime = 0;             ///< to where
+    std::optional<std::size_t> moved; ///< key frame that is being dragged
+    double movedTime = 0;             ///< its new time, seconds
 };
 
 #endif

@@ -7,9 +7,9 @@
 
 #include <QCursor>
 
-// What the tool shows, and says.
+// What the tool shows in view and panel.
 
-/// Shows the stretch as the panel says while one bends; while one marks, the marks are seen.
+/// Shows the stretch if the panel says so; while marking, shows marks.
 void BendTool::showStretch() {
     const bool wanted = panel->showsStretch() && panel->isBending();
     if (session->edit().options.stretch == wanted)
@@ -74,9 +74,9 @@ void BendTool::drawOverlay() const {
         going->draw();
 }
 
-// --- what the panel says ---
+// --- texts of the panel ---
 
-/// What is marked becomes this.
+/// What a mark makes of the surface.
 QString BendTool::roleText() const {
     const int tag = tagToMark();
     return tag >= 2   ? QString::fromStdString(nameOf(session->state(), tag))
@@ -85,7 +85,7 @@ QString BendTool::roleText() const {
                       : "ignored";
 }
 
-/// What is to be done in a mode that marks.
+/// How to mark in this mode.
 QString BendTool::markingText() const {
     const QString role = roleText(), what = panel->isThrough() ? "what is in it, hidden or not," : "what is seen in it";
     switch (panel->mode()) {
@@ -170,7 +170,7 @@ void BendTool::refresh() {
         return;
     }
     if (!session->model().influence.isHandle(hovered))
-        hovered = 0; // it was undone, or removed, under the mouse
+        hovered = 0; // it was undone or removed
     if (!session->model().influence.isHandle(keysTag))
         keysTag = 0;
     panel->setPose(int(session->edit().options.pose));

@@ -10,8 +10,8 @@
 
 #include <map>
 
-/// FCD: Bend: begins what mouse and keys in a view (router.cpp, key_events.cpp), and the panel (commands.cpp,
-/// line_commands.cpp, pose_commands.cpp), ask for on its stage.
+/// The tool FCD: Bend. It begins what mouse (router.cpp), keys (key_events.cpp) and panel (commands.cpp,
+/// line_commands.cpp, pose_commands.cpp) ask for.
 class BendTool : public BendStage {
     Q_OBJECT
 
@@ -64,7 +64,7 @@ class BendTool : public BendStage {
     void makePanel();
     void connectHandles();
     void connectPoses();
-    bool isForPanel(); ///< whether it may do something now
+    bool isForPanel(); ///< whether the panel may do something now
     void takeOptions();
     void showOptions();
     void onOptions();
@@ -101,22 +101,22 @@ class BendTool : public BendStage {
     QString figuresText() const;
 
     int refused = -1;                                 ///< a layer that cannot be bent
-    std::map<int, std::unique_ptr<BendSession>> left; ///< of other layers of the document, by their number
-    BendOptions usual;                                ///< what the next layer begins with: as the last had it
-    std::unique_ptr<BendLinePreview> linePreview;     ///< while a line is given
-    std::unique_ptr<BendOnionSkin> onionSkin;         ///< while it is wanted
-    double timeOfGhosts = 0;                          ///< of the animation, shown last; seconds
+    std::map<int, std::unique_ptr<BendSession>> left; ///< sessions of other layers, by their number
+    BendOptions usual;                                ///< of the last layer, for the next
+    std::unique_ptr<BendLinePreview> linePreview;     ///< in the mode Line
+    std::unique_ptr<BendOnionSkin> onionSkin;         ///< null: switched off
+    double timeOfGhosts = 0;                          ///< the last shown time of the animation, seconds
     int hovered = 0;                                  ///< the handle under the mouse, 0: none
-    bool keysBegin = false;                           ///< beginsByKey() what is under the mouse
-    int keysTag = 0;                                  ///< the handle that keys find there, 0: none
-    Place foreseen;                                   ///< what the mouse points at, whose influence is shown soon
-    bool isForeseeing = false;                        ///< that is being done
-    std::vector<Eigen::Vector3d> foreseenPivots;      ///< where that would turn, world
-    bool isLimbForeseen = false;                      ///< a limb would turn, and nothing is pulled
+    bool keysBegin = false;                           ///< beginsByKey() under the mouse
+    int keysTag = 0;                                  ///< the handle for keys there, 0: none
+    Place foreseen;                                   ///< under the mouse; its preview follows
+    bool isForeseeing = false;                        ///< a call of foresee() is queued
+    std::vector<Eigen::Vector3d> foreseenPivots;      ///< about which it would turn, world
+    bool isLimbForeseen = false;                      ///< a press would turn a limb
     std::optional<GizmoPart> lit;                     ///< the part of the gizmo under the mouse
-    unsigned long escaped = 0; ///< when Esc has given the mouse to the camera last, by the clock of the window system
+    unsigned long escaped = 0; ///< time when Esc last gave the mouse to the camera, by the window system's clock
     QElapsedTimer sinceRim;
-    double frameShown = 0; ///< of the animation, asked for last; seconds
+    double frameShown = 0; ///< the last asked time of the animation, seconds
 };
 
 #endif

@@ -40,7 +40,7 @@ void BendTool::makePanel() {
     for (const CellList *list :
          std::initializer_list<const CellList *>{&panel->handles(), &panel->poses().list(), &panel->poses().keys()})
         when(list, &CellList::editLeft, [this] {
-            hint.clear(); // of what was refused before
+            hint.clear();
             later([this] { refresh(); });
         });
     panel->allowStretch(model->cm.fn > 0);
@@ -56,14 +56,14 @@ void BendTool::takeOptions() {
     setPose(session->edit(), panel->pose());
 }
 
-/// The panel shows the options of the session, which has gone back to others.
+/// Shows the options of the session, after undo or redo.
 void BendTool::showOptions() { panel->showOptions(session->model().options); }
 
 void BendTool::onOptions() {
     if (!isForPanel())
         return;
     if (panel->mode() != BendPanel::Polyline)
-        going.reset(); // what was being marked
+        going.reset(); // a marking
     forgetForeseen();
     const BendOptions before = session->edit().options;
     takeOptions();
@@ -76,7 +76,7 @@ void BendTool::onOptions() {
 
 void BendTool::setMode(BendPanel::Mode mode) {
     if (mode != BendPanel::Polyline && QGuiApplication::mouseButtons() == Qt::NoButton)
-        going.reset(); // a polygon that was begun, as a click on the mode's button does
+        going.reset(); // a begun polygon, as with a click on the mode's button
     panel->setMode(mode);
     forgetForeseen();
     showStretch();
@@ -157,7 +157,7 @@ void BendTool::onCommand(int which) {
     case BendAction::SaveSession:
     case BendAction::LoadSession: chooseSession(which == BendAction::LoadSession); break;
     }
-    if (!view) // an apply to a new layer ended all
+    if (!view) // an apply to a new layer ended the tool
         return;
     refresh();
     view->update();
@@ -170,7 +170,7 @@ void BendTool::connectHandles() {
     when(list, &BendHandleList::selected, [this](int tag) {
         active = tag;
         isChosen = true;
-        later([this] { refresh(); }); // not in the midst of the list's own events
+        later([this] { refresh(); }); // after the list's own events
         view->update();
     });
     when(list, &BendHandleList::removed, [this](int tag) {

@@ -13,7 +13,7 @@ using vcg::fcd::MotionStep;
 
 namespace {
 
-/// The steps and one more, joined with the last where that makes the same motion.
+/// Appends a step, or joins it with the last one if that makes the same motion.
 std::vector<MotionStep> joined(std::vector<MotionStep> steps, const MotionStep &step) {
     if (!steps.empty() && steps.back().kind == step.kind && steps.back().about == step.about) {
         MotionStep &last = steps.back();
@@ -58,7 +58,7 @@ void BendDrag::moveTo(const Camera &view, const Eigen::Vector3d &window) {
 
 namespace {
 
-/// The round number (1, 2 or 5 times a power of ten) next below.
+/// The largest round number (1, 2 or 5 times a power of ten) up to x.
 double roundBelow(double x) {
     const double power = std::pow(10, std::floor(std::log10(x)));
     return (x >= 5 * power ? 5 : x >= 2 * power ? 2 : 1) * power;
@@ -66,13 +66,13 @@ double roundBelow(double x) {
 
 double inSteps(double x, double step) { return std::round(x / step) * step; }
 
-const double snapPixels = 20, snapDegrees = 5, snapFactor = 0.1; // steps that a hand can hit
+const double snapPixels = 20, snapDegrees = 5, snapFactor = 0.1; // steps that the user can hit
 
-const double leastDegrees = 1e-4; // what is less comes of rounding
+const double leastDegrees = 1e-4; // less is rounding
 
 } // namespace
 
-/// \return whether what was typed is a number
+/// \return whether the typed text is a number
 bool BendDrag::readTyped(double &number) const {
     return vcg::fcd::detail::ToNumber(typed.data(), typed.data() + typed.size(), number) && std::isfinite(number);
 }
@@ -86,7 +86,7 @@ bool BendDrag::isBeginning(const Camera &view) const {
     return modal && axis < 0 && typed.empty() && steps(view).empty();
 }
 
-/// A turn of a limb, none where it is hardly one.
+/// The step of a limb's turn; none if it is hardly a turn.
 std::optional<MotionStep> BendDrag::turnOf(const Eigen::AngleAxisd &turn, const Eigen::Vector3d &about) const {
     const double turned = turn.angle() / oneDegree, degrees = inFewDigits(snap ? inSteps(turned, snapDegrees) : turned);
     if (std::abs(degrees) < leastDegrees || !turn.axis().allFinite())
@@ -132,7 +132,7 @@ std::optional<MotionStep> BendDrag::step(const Camera &view) const {
         } else if (axis >= 0) {
             const double unit = 100 * pixel;
             const Eigen::Vector2d along = view.toWindow(pivot + unit * axes.col(axis)).head<2>() - middle;
-            const double square = std::max(along.squaredNorm(), 100.0); // seen from its end, an axis leads nowhere
+            const double square = std::max(along.squaredNorm(), 100.0); // for an axis along the view direction
             const double far = (to - begun).dot(along) / square * unit;
             way = (snap ? inSteps(far, length) : far) * axes.col(axis);
         } else if (snap) {
@@ -209,7 +209,7 @@ std::map<int, BendDrag::Steps> BendDrag::motions(const Camera &view) const {
     all[tag] = begin;
     const Steps added = steps(view);
     Steps placed = added;
-    setPlaces(placed, pivot); // as it turns, not each by itself
+    setPlaces(placed, pivot); // all about this pivot, not each about its own middle
     for (std::size_t i = 0; i < added.size(); ++i) {
         all[tag] = joined(all[tag], added[i]);
         for (const auto &each : carried)

@@ -11,45 +11,46 @@
 #include <string>
 #include <vector>
 
-/// A handle that is being moved: what a way of the mouse, or a typed number, makes of its motion.
+/// A handle that is being moved: turns moves of the mouse, or a typed number, into its motion.
 struct BendDrag {
-    enum Kind { Move, Turn, Scale, Limb }; ///< Limb: turned so that a place of it follows the mouse
+    enum Kind { Move, Turn, Scale, Limb }; ///< Limb: turns so that a point of it follows the mouse
 
     using Steps = std::vector<vcg::fcd::MotionStep>;
 
     int tag = 0;
     Kind kind = Move;
-    int axis = -1;      ///< -1: in the view plane, or about the direction of the view; 0, 1, 2: of the axes
-    bool modal = false; ///< begun by a key: the mouse moves it without a button
-    bool snap = false;  ///< in steps
-    std::optional<Eigen::Vector3d> onto; ///< where a move leads the pivot, world; none: where the mouse is
+    int axis = -1;                       ///< 0, 1, 2: of axes; -1: in the view plane, or about the view direction
+    bool modal = false;                  ///< begun by a key: follows the mouse without a button
+    bool snap = false;                   ///< in steps
+    std::optional<Eigen::Vector3d> onto; ///< target of a move for the pivot, world; none: the mouse
     std::string typed;                   ///< a number
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity(); ///< of length 1, as columns, world
-    Eigen::Vector3d pivot, from;  ///< where the handle is turned as it begins, world, and where the mouse was, window
-    Eigen::Vector3d held;         ///< of a limb: where what follows the mouse was as it began, world
-    bool isAbout = false;         ///< the pivot is not the handle's middle
-    double angle = 0;             ///< that the mouse went about the pivot, degrees
-    Eigen::Vector3d last;         ///< where the mouse is, window
-    Steps begin;                  ///< the motion before it
-    std::map<int, Steps> carried; ///< by tag, the motions before it of the handles that go along
+    Eigen::Vector3d pivot, from;                        ///< at the begin: the pivot, world, and the mouse, window
+    Eigen::Vector3d held;         ///< of a limb, at the begin: the point that follows the mouse, world
+    bool isAbout = false;         ///< the pivot is another point than the handle's middle
+    double angle = 0;             ///< by which the mouse went around the pivot, degrees
+    Eigen::Vector3d last;         ///< the mouse now, window
+    Steps begin;                  ///< the handle's motion before
+    std::map<int, Steps> carried; ///< by tag: motions before, of handles that move along
 
-    /// The joint of a limb before that of the handle: the limb bends at the handle's, and all of it turns at this one.
+    /// The joint before that of the handle. The limb bends at the handle's joint, and all of it turns at this one.
     struct Before {
-        Eigen::Vector3d pivot;        ///< world
-        std::map<int, Steps> carried; ///< the motions before it of its handle, and of what goes along with that alone
+        Eigen::Vector3d pivot; ///< world
+        std::map<int, Steps>
+            carried; ///< by tag: motions before, of its handle, and of handles that move along with that one only
     };
-    std::optional<Before> before; ///< none: it turns at the handle's
+    std::optional<Before> before; ///< none: it only turns at the handle's joint
 
     void moveTo(const Camera &view, const Eigen::Vector3d &window);
-    /// What it adds to the motion, none where that is nothing.
+    /// The step that is added to the handle's motion; none if it is nothing.
     std::optional<vcg::fcd::MotionStep> step(const Camera &view) const;
-    /// All of that: a limb of two joints is bent, and then turned.
+    /// All such steps: a limb of two joints first bends, and then turns.
     Steps steps(const Camera &view) const;
-    /// Whether what was typed is no number, so that nothing moves.
+    /// Whether the typed text is no number, so that nothing moves.
     bool isRefused() const;
-    /// What it does now, or what can be done where nothing was yet, as a person reads it.
+    /// A text for the user: what it does now, or what can be done.
     std::string text(const Camera &view) const;
-    /// The motions with that, by tag. Numbers are as people would write them.
+    /// The motions with these steps, by tag; numbers in few digits.
     std::map<int, Steps> motions(const Camera &view) const;
 
   private:
@@ -58,7 +59,7 @@ struct BendDrag {
     bool readTyped(double &number) const;
     bool isBeginning(const Camera &view) const;
 
-    std::optional<LimbTurn> limb; ///< since the mouse has moved
+    std::optional<LimbTurn> limb; ///< none before the mouse has moved
 };
 
 #endif

@@ -10,7 +10,7 @@
 void DragInteraction::begin(const Grip &what) {
     BendSession &session = *stage.session;
     session.change();
-    if (session.model().options.pose != 100) { // a drag says where that is
+    if (session.model().options.pose != 100) { // a drag is at 100 %
         setPose(session.edit(), 100);
         stage.panel->setPose(100);
         stage.solve(true);
@@ -42,7 +42,7 @@ void DragInteraction::begin(const Grip &what) {
                 if (grip.modal)
                     throw vcg::fcd::Error(
                         "There is no limb here that could be turned: G pulls this place, and R turns it.");
-                grip.tag = asked; // it is pulled
+                grip.tag = asked; // no limb: pull instead
                 grip.isNew = !asked;
                 grip.part.kind = BendDrag::Move;
             }
@@ -53,7 +53,7 @@ void DragInteraction::begin(const Grip &what) {
             tookToPrepare = stage.session->prepare(progress);
         },
         [this] { beginPrepared(); },
-        [this] { // the layer has the shape before
+        [this] { // cancelled: the shape before
             stage.session->cancel();
             stage.showOverlay();
             stage.ended();
@@ -109,17 +109,18 @@ void DragInteraction::beginPrepared() {
         stage.requestStep();
 }
 
-/// What is turned, and what bends with it by how much; of what is pulled, the tool draws points.
+/// Shows what turns, and how much the surface bends. (For a pull, the tool draws points.)
 void DragInteraction::showInfluence() {
     const auto &extents = stage.session->model().influence.extents;
-    const int tag = first ? first : now->tag; // with which all goes that moves
+    const int tag = first ? first : now->tag; // all that moves is of its extent
     const auto found = extents.find(tag);
     const bool isTurned = isGrip(stage.session->state(), tag) && found != extents.end();
     stage.colors->preview(isTurned ? found->second : nullptr);
     stage.showOverlay();
 }
 
-/// It is turned and scaled about its pivot, and moved by its dot, unless a person has said where its pivot is.
+/// Sets the point about which it turns and scales (the pivot), or by which it moves (the dot, unless the user has set a
+/// pivot).
 void DragInteraction::placePivot() {
     const BendModel &model = stage.session->model();
     const bool isGiven = handleOf(model.state, now->tag).pivot.has_value(), isPoint = isGrip(model.state, now->tag);
@@ -133,11 +134,10 @@ void DragInteraction::placePivot() {
         now->before->pivot = asItBegan(first, now->before->carried.at(first), pivotOf(model, first));
 }
 
-/// What is dragged is moved, turned or scaled from now on. A point that is turned holds more, for which the layer is
-/// prepared anew.
+/// Changes between move, turn and scale. A point that turns becomes a grip, so the layer is prepared anew.
 void DragInteraction::changeKind(BendDrag::Kind kind) {
     const BendState &state = stage.session->state();
-    const bool isOther = kind == BendDrag::Limb || now->kind == BendDrag::Limb; // which may be another handle
+    const bool isOther = kind == BendDrag::Limb || now->kind == BendDrag::Limb; // maybe of another handle
     if (!isOther && (kind == BendDrag::Move || state.points.count(now->tag) == 0 || isGrip(state, now->tag))) {
         now->kind = kind;
         placePivot();
@@ -159,7 +159,7 @@ void DragInteraction::stop(bool keep) {
     if (!keep)
         stage.session->cancel();
     else if (stage.layer())
-        setMotion(stage.session->edit(), motions); // solved to the end when it has come to rest
+        setMotion(stage.session->edit(), motions); // a full solve follows
     now.reset();
     if (stage.moving)
         stage.overlay->move();
@@ -190,7 +190,7 @@ void DragInteraction::cancel() {
 void DragInteraction::move(QMouseEvent &event) {
     if (!now && !stroke)
         return;
-    if (!(now && now->modal) && !(event.buttons() & Qt::LeftButton)) { // it was released elsewhere, over a question of
+    if (!(now && now->modal) && !(event.buttons() & Qt::LeftButton)) { // it was released over a dialog of
         release();                                                     // the host
         return;
     }
@@ -223,7 +223,7 @@ bool DragInteraction::press(QMouseEvent &event) {
         return true;
     }
     if (!now)
-        return false; // what it was to do is not done
+        return false; // a press is not for this drag
     if (beginStroke(event))
         return true;
     end(event.button() == Qt::LeftButton);
@@ -241,7 +241,7 @@ bool DragInteraction::pressKey(QKeyEvent &event) {
     case Qt::Key_Escape:
     case Qt::Key_Return:
     case Qt::Key_Enter:
-        if (key == Qt::Key_Escape || !now->isRefused()) // else the panel says why
+        if (key == Qt::Key_Escape || !now->isRefused()) // the panel tells what is wrong
             end(key != Qt::Key_Escape);
         return true;
     case Qt::Key_X:
@@ -294,7 +294,7 @@ void DragInteraction::beforeDraw() {
     if (!now)
         return;
     const double past = sinceDraw.isValid() ? double(sinceDraw.nsecsElapsed()) / 1e6 : 0;
-    stage.frame = stage.frame > 0 ? 0.8 * stage.frame + 0.2 * past : past; // of about the last five
+    stage.frame = stage.frame > 0 ? 0.8 * stage.frame + 0.2 * past : past; // mean of about five
     sinceDraw.start();
 }
 

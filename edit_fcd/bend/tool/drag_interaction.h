@@ -4,23 +4,22 @@
 
 #include "edit_fcd/bend/tool/stage.h"
 
-/// A handle is dragged, by the mouse or after a key. A turn that waits is begun anew by a stroke along a limb.
+/// Drags a handle, by the mouse or after a key. A stroke along a limb restarts a turn that was begun by a key.
 class DragInteraction : public BendInteraction {
   public:
-    /// What is going to be dragged, once the layer is prepared for it.
+    /// What is dragged, once the layer is prepared.
     struct Grip {
-        int tag = 0;          ///< of a handle, or
-        std::size_t slot = 0; ///< of a vertex that becomes one, where \p tag is 0
+        int tag = 0;          ///< of a handle; 0: a vertex becomes one
+        std::size_t slot = 0; ///< of that vertex
         GizmoPart part;
         bool modal = false;
-        bool isNew = false;                              ///< what is at \p tag was made of \p slot
-        bool isHeld = false;                             ///< a limb is to follow by \p slot, which \p tag holds
-        std::optional<BendStroke> stroke = std::nullopt; ///< tells what is turned, and where, in the place of \p tag
+        bool isNew = false;                              ///< the handle \p tag was made of \p slot
+        bool isHeld = false;                             ///< of a limb: \p slot follows the mouse, which \p tag holds
+        std::optional<BendStroke> stroke = std::nullopt; ///< tells what turns and where, instead of \p tag
     };
     using BendInteraction::BendInteraction;
 
-    /// Begins a change that drags something: at once, or, with a large layer, when it is prepared, which goes on beside
-    /// the window.
+    /// Begins the drag: at once, or, for a large layer, when it has been prepared in the background.
     void begin(const Grip &what);
     void cancel() override;
     void move(QMouseEvent &event) override;
@@ -48,17 +47,17 @@ class DragInteraction : public BendInteraction {
     void stop(bool keep);
     void end(bool keep);
 
-    std::unique_ptr<BendDrag> now;    ///< once the layer is prepared
-    std::optional<BendStroke> stroke; ///< in its place, since the button was pressed while a turn waited
-    BendSession::Turned turned;       ///< by that
+    std::unique_ptr<BendDrag> now;    ///< null until the layer is prepared
+    std::optional<BendStroke> stroke; ///< while one is drawn, instead of \a now
+    BendSession::Turned turned;       ///< by the stroke
     Grip grip;
-    Eigen::Vector3d held;       ///< where its vertex was then, or the mouse is with a stroke; world
-    int asked = 0;              ///< the tag of what was to be dragged
-    int first = 0;              ///< of a limb that is bent: the handle of its first joint; 0: it is turned alone
-    Eigen::Vector3d gripped;    ///< where the mouse was then, window
+    Eigen::Vector3d held;       ///< its vertex at the begin, or the mouse during a stroke; world
+    int asked = 0;              ///< the tag for which the drag was asked
+    int first = 0;              ///< of a limb that bends: the handle of its first joint; 0: it only turns
+    Eigen::Vector3d gripped;    ///< the mouse at the begin, window
     double tookToPrepare = 0;   ///< milliseconds
     bool isRadiusShown = false; ///< the wheel has changed it
-    bool isReleased = false;    ///< the button, before the layer was prepared
+    bool isReleased = false;    ///< the button was released before the layer was prepared
     QElapsedTimer sinceDraw;
 };
 

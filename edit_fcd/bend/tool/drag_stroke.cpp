@@ -3,14 +3,14 @@
 
 #include "edit_fcd/view/layer_ray.h"
 
-// A stroke along a limb tells where a turn is, and of what.
+// A stroke along a limb sets the pivot of a turn, and what turns.
 
-/// Whether the mouse is where it began.
+/// Whether the mouse is where the drag began.
 bool DragInteraction::isNear() const {
-    return (stage.mouseInWindow() - gripped).head<2>().norm() < 5; // pixels: a hand moves less while it clicks
+    return (stage.mouseInWindow() - gripped).head<2>().norm() < 5; // pixels: less is a click
 }
 
-/// It begins where R was pressed, before the mouse has turned anything: there is nothing yet that a press would keep.
+/// Begins where R was pressed, if the mouse has turned nothing yet. (Otherwise a press ends the turn.)
 bool DragInteraction::beginStroke(const QMouseEvent &event) {
     const bool isWaiting = now->modal && now->kind == BendDrag::Turn && now->axis < 0 && now->typed.empty();
     const auto slot = isWaiting && isNear() && stage.isPlain(event) ? stage.slotAtMouse() : std::nullopt;
@@ -26,7 +26,7 @@ bool DragInteraction::beginStroke(const QMouseEvent &event) {
     return true;
 }
 
-/// What would turn if it ended here: at what is nearest to the mouse, also beside the layer.
+/// Shows what would turn if the stroke ended at the place nearest to the mouse, also beside the layer.
 void DragInteraction::showStroke(BendStroke &drawn) {
     BendSession &session = *stage.session;
     Eigen::Vector3d window = stage.mouseInWindow();
@@ -48,7 +48,7 @@ void DragInteraction::endStroke() {
     }
     BendStroke drawn = *stroke;
     showStroke(drawn);
-    stage.colors->preview(nullptr); // the turn shows what it moves
+    stage.colors->preview(nullptr); // the turn has its own preview
     stroke.reset();
     begin({0, drawn.to, {BendDrag::Turn, -1}, true, false, false, drawn});
     stage.refresh();

@@ -11,7 +11,7 @@
 
 namespace {
 
-const int arrowPixels = 60, ringPixels = 42; // what lies under them is still seen, and hit
+const int arrowPixels = 60, ringPixels = 42; // small: the surface below is visible, and can be hit
 const int ringParts = 48;
 const GLubyte litColor[] = {255, 225, 60};
 
@@ -36,11 +36,11 @@ void drawPoint(const Eigen::Vector3d &p, float size) {
 std::optional<GizmoPart> gizmoAt(const Camera &view, const Gizmo &gizmo, const Eigen::Vector2d &window) {
     const Eigen::Vector3d &center = gizmo.center;
     const auto flat = [&](const Eigen::Vector3d &p) { return Eigen::Vector2d(view.toWindow(p).head<2>()); };
-    if ((flat(center) - window).norm() < 15) // rings that are seen from the side go through it
+    if ((flat(center) - window).norm() < 15) // before rings, which may cross the ball
         return GizmoPart();
     const double pixel = view.pixelAt(center);
     std::optional<GizmoPart> hit;
-    double least = 5; // pixels: the surface beside it can be dragged, too
+    double least = 5; // pixels: farther presses drag the surface
     for (int axis = 0; axis < 3; ++axis) {
         const Eigen::Vector3d arrow = arrowPixels * pixel * gizmo.axes.col(axis);
         const Eigen::Vector2d a = flat(center + arrow * 0.3), b = flat(center + arrow);
@@ -62,7 +62,7 @@ std::optional<GizmoPart> gizmoAt(const Camera &view, const Gizmo &gizmo, const E
 
 void drawPoints(const BendSession &session, const BendDrag *drag, int lit) {
     const FlatDrawing flat;
-    if (session.model().influence.isLocal && drag) { // some of the vertices
+    if (session.model().influence.isLocal && drag) { // some vertices that bend
         const BendTags &tags = session.tags();
         glPointSize(2);
         glColor3ub(240, 197, 60);
@@ -97,7 +97,7 @@ void drawGizmo(const Camera &view, const Gizmo &gizmo, const BendDrag *drag, con
     const double pixel = view.pixelAt(gizmo.center);
     for (int axis = 0; axis < 3; ++axis) {
         const Eigen::Vector3d along = gizmo.axes.col(axis) * pixel;
-        const auto begin = [&](BendDrag::Kind kind) { // brighter and thicker where the mouse is, or what it drags
+        const auto begin = [&](BendDrag::Kind kind) { // brighter and thicker if highlighted or dragged
             const bool isLit = drag ? drag->axis == axis && (drag->kind == kind || drag->kind == BendDrag::Scale)
                                     : lit && *lit == GizmoPart{kind, axis};
             glLineWidth(isLit ? 4 : 2);

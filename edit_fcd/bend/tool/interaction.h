@@ -9,9 +9,8 @@
 
 class BendStage;
 
-/// What mouse and keys are for while something goes on in the view: a handle is dragged, vertices are marked, a point
-/// of the line is moved, key frames are played or scrubbed. At most one goes on; the stage owns it, and it tells the
-/// stage when it has ended, last.
+/// Gets mouse and keys while something goes on in the view: a drag, a marking, a move of a line's point, playing or
+/// scrubbing key frames. At most one goes on. The stage owns it. It calls BendStage::ended() as its last action.
 class BendInteraction {
   public:
     explicit BendInteraction(BendStage &stage) : stage(stage) {}
@@ -19,27 +18,27 @@ class BendInteraction {
     BendInteraction &operator=(const BendInteraction &) = delete;
     virtual ~BendInteraction() = default;
 
-    /// Takes back what was begun, as far as that is not done. \pre there is a layer
+    /// Takes back what was begun and has not ended. \pre there is a layer
     virtual void cancel() = 0;
     virtual void move(QMouseEvent &event) = 0;
     virtual void release() {}
-    /// \return whether they are for this, which is not so unless said
+    /// Each returns whether the event was for this.
     virtual bool press(QMouseEvent &) { return false; }
     virtual bool pressKey(QKeyEvent &) { return false; }
     virtual bool doubleClick() { return false; } ///< or Enter
     virtual bool turnWheel(double) { return false; }
     virtual bool takesAllKeys() const { return false; }
     virtual bool isCancelledByEsc() const { return takesAllKeys(); }
-    /// Whether all that is done otherwise ends it first.
+    /// Whether any other action ends this first.
     virtual bool isEndedByAll() const { return false; }
-    /// Whether the panel's commands wait until it has ended.
+    /// Whether the panel's commands are refused until it has ended.
     virtual bool holdsPanel() const { return false; }
-    /// What is dragged, null where it is no handle.
+    /// The drag of a handle, or null.
     virtual const BendDrag *drag() const { return nullptr; }
-    virtual void step() {} ///< once what was shown is painted
+    virtual void step() {} ///< once for each painted frame
     virtual void beforeDraw() {}
     virtual void draw() const {}
-    /// What it does, empty where the mode says that.
+    /// A text for the panel; empty: the mode's text.
     virtual QString text() const { return {}; }
 
   protected:

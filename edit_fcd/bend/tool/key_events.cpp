@@ -7,7 +7,7 @@
 
 using vcg::fcd::Error;
 
-/// What a key does now, null where it is none of ours.
+/// The action of a key now, or null.
 const ActionTable::Row *BendTool::keyOf(const QKeyEvent &event) const {
     const ActionTable::Row *key = bendActions().of(event);
     const bool isOfLines = key && key->action == BendAction::RemovePoint;
@@ -18,9 +18,9 @@ bool BendTool::takesEvent(QEvent &event) {
     if (!session)
         return false;
     if (view->suspendedEditor) {
-        // A window manager may hand a press on only after keys that came later: Esc was meant to cancel it.
+        // A window manager may deliver a press after later keys: Esc was meant to cancel it.
         const bool isPress = event.type() == QEvent::MouseButtonPress;
-        const unsigned long time = // 0: one that this tool hands on
+        const unsigned long time = // 0: passed on by this tool
             isPress ? static_cast<QMouseEvent &>(event).timestamp() : 0;
         if (time == 0 || time > escaped)
             return false;
@@ -29,11 +29,11 @@ bool BendTool::takesEvent(QEvent &event) {
         return true;
     }
     if (event.type() == QEvent::Enter)
-        view->setFocus();                           // keys belong to what is under the mouse
+        view->setFocus();                           // keys go to what is under the mouse
     if (event.type() == QEvent::ShortcutOverride) { // before the host's shortcuts
         const auto &pressed = static_cast<QKeyEvent &>(event);
         const ActionTable::Row *key = keyOf(pressed);
-        // Esc is the host's where there is nothing to cancel; while something is dragged, all keys are ours.
+        // The host gets Esc if there is nothing to cancel. During a drag, the tool takes all keys.
         const bool isOurs = key && (key->action != BendAction::Cancel || (going && going->isCancelledByEsc()));
         if (preparing || isOurs || (going && going->takesAllKeys())) {
             event.accept();
@@ -48,21 +48,20 @@ bool BendTool::takesEvent(QEvent &event) {
     return true;
 }
 
-/// Whether keys make a handle of what is under the mouse: not where another one was chosen, or is marked.
+/// Whether keys make a handle of what is under the mouse: not if a handle was chosen, or is marked.
 bool BendTool::beginsByKey(const Place &place) const {
     const bool isOther =
         (isChosen && session->model().influence.isHandle(active)) || (session->state().marks && selected());
     return place.slot && isFree(session->state(), *place.slot) && !isOther;
 }
 
-/// What is under the mouse for a key: the surface, also where a ring or an arrow, which take presses, lies over it. But
-/// the ball of the gizmo is its handle.
+/// What is under the mouse for a key. Unlike for a press, rings and arrows are ignored; the gizmo's ball is its handle.
 BendTool::Place BendTool::placeOfKeys() const {
     const std::optional<GizmoPart> part = partAtMouse();
     return part && part->axis < 0 ? Place{selected(), {}, {}} : placeAtMouse();
 }
 
-/// Begins to move what is under the mouse, or else the selected handle, with the mouse, without a button.
+/// Begins to move what is under the mouse, or else the selected handle, without a button.
 void BendTool::dragByKey(BendDrag::Kind kind) {
     findMouse();
     const Place place = view->underMouse() ? placeOfKeys() : Place();
@@ -73,7 +72,7 @@ void BendTool::dragByKey(BendDrag::Kind kind) {
     beginDrag({tag, place.slot.value_or(place.held.value_or(0)), {kind, -1}, true, false, place.held.has_value()});
 }
 
-/// The selected handle turns where the mouse points at.
+/// Sets the pivot of the selected handle to the place under the mouse.
 void BendTool::placePivot() {
     const int tag = selected();
     if (!tag)
@@ -91,7 +90,7 @@ void BendTool::placePivot() {
                       : QString(": turns about this place; P beside the mesh takes that back."));
 }
 
-/// What is marked becomes something else: in a mode that marks nothing, that is said.
+/// Changes what marks become; in a mode that does not mark, tells so.
 void BendTool::setRole(BendPanel::Role which, int handle) {
     panel->setRole(which, handle);
     if (panel->isBending() || panel->mode() == BendPanel::Line)
@@ -129,7 +128,7 @@ void BendTool::act(BendAction::Id action) {
             going->doubleClick();
         break;
     case BendAction::Page: panel->showKeys(); break;
-    default: onCommand(action); // which has a button, too
+    default: onCommand(action); // actions with a button
     }
 }
 
@@ -151,7 +150,7 @@ void BendTool::pressKey(QKeyEvent *event) {
         event->ignore();
     else if (isReady())
         act(BendAction::Id(key->action));
-    if (!view) // an apply to a new layer ended all
+    if (!view) // an apply to a new layer ended the tool
         return;
     refresh();
     view->update();

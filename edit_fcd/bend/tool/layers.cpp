@@ -4,7 +4,7 @@
 #include <layer_fcd/kept_tool.h>
 #include <layer_fcd/session_file.h>
 
-// Which layer the tool works on, from when to when, and what it leaves of it.
+// Begins and ends work on a layer.
 
 bool BendTool::start(MeshDocument &newDocument, GLArea *area) {
     enterDocument(newDocument, area);
@@ -20,7 +20,7 @@ bool BendTool::start(MeshDocument &newDocument, GLArea *area) {
     }
     makePanel();
     enterView();
-    view->setMouseTracking(true); // what is under the mouse lights up
+    view->setMouseTracking(true); // to highlight what is under the mouse
     showOverlay();
     refresh();
     return true;
@@ -32,7 +32,8 @@ void BendTool::changeLayer(MeshDocument &newDocument, GLArea *area) {
     refused = -1;
     close();
     view = area;
-    if (newDocument.mm() && newDocument.mm()->cm.vn > 0) // a file that is being opened is empty at first: see draw()
+    if (newDocument.mm() &&
+        newDocument.mm()->cm.vn > 0) // a file that is being opened is empty at first: draw() starts then
         start(newDocument, area);
 }
 
@@ -44,7 +45,7 @@ void BendTool::forgetDocument() {
     left.clear();
 }
 
-/// Begins with a layer, or goes on where it was left. \return whether that is told by the layer itself
+/// Begins with a layer, or continues where it was left. \return whether the layer itself keeps that state
 bool BendTool::open(MeshModel &newModel) {
     bool goesOn = false;
     if (const auto found = left.find(newModel.id()); found != left.end()) {
@@ -77,7 +78,6 @@ bool BendTool::open(MeshModel &newModel) {
     return goesOn;
 }
 
-/// What the layer shows is what a filter finds.
 void BendTool::keepShown() {
     if (const std::string calls = session->leave({}); !calls.empty())
         say("The layer '" + model->label().toStdString() +
@@ -85,7 +85,7 @@ void BendTool::keepShown() {
 }
 
 SessionContents BendTool::takeSession(const QString &file) {
-    session->restore(); // a session is of that shape, or of its own pose
+    session->restore(); // a saved session begins from the rest shape
     SessionContents contents;
     try {
         contents = loadSession(*document, *model, file);
@@ -103,7 +103,7 @@ SessionContents BendTool::takeSession(const QString &file) {
     return contents;
 }
 
-/// What the layer shows is what it is, whatever comes next.
+/// Gives the layer the shown shape exactly, and keeps the session for later.
 void BendTool::leave() {
     if (!layer() || !(isLive || session->isUpToDate()))
         return;
@@ -135,7 +135,6 @@ void BendTool::close() {
     panel = nullptr;
 }
 
-/// Whether there is a layer to work on; begins anew with one that something else has changed.
 bool BendTool::isReady() {
     if (!view || !view->md() || preparing)
         return false;
@@ -143,7 +142,7 @@ bool BendTool::isReady() {
         going->cancel();
     MeshModel *current = view->md()->getMesh(layerId);
     if (!current || !session) {
-        session.reset(); // it was deleted
+        session.reset(); // the layer was deleted
         return false;
     }
     if (current == model && (isLive || session->isUpToDate()))

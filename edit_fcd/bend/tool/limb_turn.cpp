@@ -6,19 +6,19 @@
 
 namespace {
 
-// Of its length, to the joint: nearer than that, it turns out of the view's plane. At this place, a way of the mouse
-// turns it by twice as much as at its end, and nearer to the joint by ever more, if it stayed in the plane.
+// Distance from the joint, over the limb's length, below which a limb of one piece leaves the view plane. In the plane,
+// a move of the mouse there turns it twice as much as at its end, and nearer the joint ever more.
 const double nearestOfPiece = 0.5;
 
-const double mostBent = 150 * oneDegree; // an elbow or a knee; more, and the bones are within each other
+const double mostBent = 150 * oneDegree; // of an elbow or a knee; beyond, the bones would overlap
 
-// Its sine: a chain that is bent less bends in the view's plane, as the plane it is in is hardly to be told.
+// Sine of the least bend that tells a chain's plane; others bend in the view plane.
 const double leastBent = 0.02;
 
-// Of its length: what leads away from the eye by more than that points there, all else to the eye, where it is seen.
+// Over the length: a limb that points away from the eye by more than that stays so; all others turn towards the eye.
 const double clearlyAway = 0.1;
 
-const double pixels = 10; // of a step: so the way of the mouse counts, and not when its events come
+const double pixels = 10; // of a step: the result depends on the path of the mouse, and not on the times of its events
 
 double angleOf(double cosine) { return std::acos(std::clamp(cosine, -1.0, 1.0)); }
 
@@ -41,18 +41,18 @@ LimbTurn::LimbTurn(const Eigen::Vector3d &root, const std::optional<Eigen::Vecto
     nearest = lengthAt(most);
 }
 
-/// From root to held, of a chain that is bent by an angle.
+/// The distance from root to held, if the chain is bent by an angle.
 double LimbTurn::lengthAt(double angle) const {
     return std::sqrt(
         std::max(0.0, first * first + second * second + 2 * first * second * std::cos(angle))); // law of cosines
 }
 
-/// By so much what is held is seen aside of the first bone, from the root.
+/// The angle at the root between the first bone and the held point.
 double LimbTurn::aside(double angle) const {
     return std::atan2(second * std::sin(angle), first + second * std::cos(angle));
 }
 
-/// Where the mouse leads what is held, from the root.
+/// The vector from the root to where the mouse leads the held point.
 Eigen::Vector3d LimbTurn::aimAt(const Camera &view, const Eigen::Vector3d &from, const Eigen::Vector3d &to) const {
     const Eigen::Vector3d eye = view.towardsEye(held), start = held - root;
     const double depth = view.toWindow(held)[2];
@@ -61,7 +61,7 @@ Eigen::Vector3d LimbTurn::aimAt(const Camera &view, const Eigen::Vector3d &from,
     double deep = wanted.dot(eye);
     const Eigen::Vector3d flat = wanted - deep * eye;
     const double far = flat.norm();
-    if (wanted.norm() > length) // it first turns out of the view's depth
+    if (wanted.norm() > length) // first, it turns into the view plane
         deep = std::copysign(std::sqrt(std::max(0.0, length * length - far * far)), deep);
     if (far >= nearest)
         return flat + deep * eye;
@@ -91,7 +91,7 @@ void LimbTurn::moveTo(const Camera &view, const Eigen::Vector3d &from, const Eig
     window = to;
 }
 
-/// By so much a chain is bent now.
+/// The present bend of the chain.
 double LimbTurn::bent() const {
     const double distance = std::clamp(lengthAt(begun) + aim.norm() - aimed, nearest, length);
     return angleOf((distance * distance - first * first - second * second) / (2 * first * second));

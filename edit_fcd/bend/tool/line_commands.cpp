@@ -9,7 +9,7 @@
 
 #include <QFileDialog>
 
-// What the panel does with the line that a layer is straightened along.
+// The panel's commands for the line that a layer is straightened along.
 
 void BendTool::removeLinePoint() {
     std::vector<BendLinePoint> &line = session->edit().state.line;
@@ -55,7 +55,7 @@ void BendTool::onLineCommand(int which) {
     view->update();
 }
 
-/// The line that is going to be used is looked for, and shown, where one is being given.
+/// Looks for the line that will be used, and shows it, in the mode Line.
 void BendTool::lookForLine() {
     if (!layer() || panel->mode() != BendPanel::Line) {
         linePreview.reset();
@@ -82,7 +82,7 @@ void BendTool::lookForLine() {
     });
 }
 
-/// What the layer shows becomes straight, or bent, in a new layer.
+/// Straightens, or bends, the shown shape in a new layer.
 void BendTool::straighten() {
     StraightenMeshParam param = panel->line().param();
     param.graphLayers = panel->graphLayers();
@@ -95,7 +95,7 @@ void BendTool::straighten() {
     const KnownLine known = linePreview ? linePreview->stop(goal) : KnownLine();
     keepShown();
     showVertices(true);
-    const auto surface = std::make_shared<LineSurface>(*model); // the layer itself may be saved, or go
+    const auto surface = std::make_shared<LineSurface>(*model); // a copy: the layer may be saved or deleted meanwhile
     const auto shape = std::make_shared<StraightenedShape>();
     beside(
         "Straightening",

@@ -6,7 +6,7 @@
 
 namespace {
 
-/// The place of the layer under the mouse as a point of the line.
+/// A point of the line at the place of the layer under the mouse.
 std::optional<BendLinePoint> pointAtMouse(const BendStage &stage) {
     const std::optional<LayerHit> hit = hitLayer(*stage.model, stage.seen, stage.mouseInWindow().head<2>());
     if (!hit)
@@ -48,7 +48,7 @@ bool LineInteraction::begin() {
     return true;
 }
 
-/// The point is where the mouse is; beside the layer, it stays where it was.
+/// Moves the point to the mouse; beside the layer, it stays.
 void LineInteraction::move(QMouseEvent &event) {
     if (!(event.buttons() & Qt::LeftButton)) { // it was released elsewhere
         stage.ended();

@@ -7,7 +7,7 @@
 /// The point of the line at a place of the window.
 std::optional<std::size_t> linePointAt(const BendStage &stage);
 
-/// A point of the line is moved, which may be new.
+/// Moves a point of the line, which may be new.
 class LineInteraction : public BendInteraction {
   public:
     using BendInteraction::BendInteraction;

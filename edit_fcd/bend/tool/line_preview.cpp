@@ -8,7 +8,7 @@ using vcg::fcd::Progress;
 
 namespace {
 
-/// The line through points that are those of the line that is used.
+/// The answer for points of the line that is used.
 BendLinePreview::Found through(const Eigen::Matrix3Xd &points, double smoothing) {
     BendLinePreview::Found found;
     found.points = points;
@@ -111,7 +111,7 @@ KnownLine BendLinePreview::stop(const LineGoal &goal) {
         known.middle = found.points;
         known.report = found.report;
     }
-    asked.line.resize(3, 0); // what is looked for next is looked for anew
+    asked.line.resize(3, 0); // forces the next look()
     isLast = false;
     return known;
 }

@@ -13,40 +13,40 @@
 
 #include <QObject>
 
-/// The line that a layer is going to be straightened along, as it is really used: through the middles of the surface's
-/// cross-sections, where that is wanted. These are found beside the window, which only reads the surface, once.
+/// Finds the line along which a layer will be straightened: if wanted, through the middles of the surface's
+/// cross-sections. It works in the background, on a copy of the surface.
 class BendLinePreview : public QObject {
   public:
     /// What was found.
     struct Found {
-        Eigen::Matrix3Xd points;           ///< 3 x n, of the line that is used, in the world
-        Eigen::Matrix3Xd way;              ///< 3 x m, places of it that are close enough together to be drawn
+        Eigen::Matrix3Xd points;           ///< 3 x n, of the line that is used, world
+        Eigen::Matrix3Xd way;              ///< 3 x m, closer points along it, for drawing, world
         double length = 0;                 ///< world units
-        vcg::fcd::StraightenReport report; ///< what LineOf has told
-        std::string error;                 ///< why there is none; else empty
+        vcg::fcd::StraightenReport report; ///< of LineOf
+        std::string error;                 ///< why there is no line; else empty
     };
 
-    /// \param changed called when something was found, by the thread of the window; throws nothing
+    /// \param changed called in the window's thread when something was found; throws nothing
     explicit BendLinePreview(std::function<void()> changed) : changed(std::move(changed)) {}
 
-    /// Begins to look for the line of \p goal on the surface that \p layer has now, if that is not what is known. With
-    /// one point or none, the surface is made ready. \param shape a number that tells that surface from others
-    /// \throw vcg::fcd::Error as LineSurface
+    /// Begins to find the line of \p goal on the present surface of \p layer, if it is not known. With one point or
+    /// none, only prepares the surface.
+    /// \param shape number that identifies the surface \throw vcg::fcd::Error as LineSurface
     void look(const MeshModel &layer, std::uint64_t shape, const vcg::fcd::LineGoal &goal,
               const vcg::fcd::StraightenParam &param);
-    /// Stops to look. \return what is known of the line of \p goal
+    /// Stops. \return what is known of the line of \p goal
     KnownLine stop(const vcg::fcd::LineGoal &goal);
 
-    /// Whether last() is of what was asked for last.
+    /// Whether last() is the answer to the last question.
     bool isFound() const { return isLast; }
-    /// What was found last, maybe of a line before.
+    /// The last answer, maybe of an earlier line.
     const Found &last() const { return found; }
-    double milliseconds() const { return took; } ///< that finding it took
+    double milliseconds() const { return took; } ///< the time to find it
 
   private:
     struct Search {
         vcg::fcd::LineGoal goal;
-        std::shared_ptr<LineSurface> surface; ///< in use by the work as long as that runs
+        std::shared_ptr<LineSurface> surface; ///< the work uses it while it runs
         Found found;
         vcg::fcd::Stopwatch watch;
     };
@@ -57,12 +57,12 @@ class BendLinePreview : public QObject {
     vcg::fcd::LineGoal asked;
     vcg::fcd::StraightenParam bend;
     std::uint64_t shapeOfSurface = 0;
-    std::shared_ptr<LineSurface> surface; ///< as it was read; prepared by the first work that is not stopped before
-    std::shared_ptr<Search> search;       ///< that runs, or ran last
+    std::shared_ptr<LineSurface> surface; ///< as read; the first work that is not stopped prepares it
+    std::shared_ptr<Search> search;       ///< the running or last one
     Found found;
     bool isLast = false;
     double took = 0;
-    JobRunner work{this}; ///< last: it ends before all else
+    JobRunner work{this}; ///< last member: it ends before all else
 };
 
 #endif

@@ -9,10 +9,10 @@
 
 namespace {
 
-const unsigned char opacity = 150;     // of marks, and of stretch, of 255: the surface is still seen
-const unsigned char alongOpacity = 60; // of what only goes along, and can be pulled by itself
+const unsigned char opacity = 150;     // of marks and stretch, of 255: the surface shows through
+const unsigned char alongOpacity = 60; // of vertices that only move along, and can be pulled
 
-// Of the vertices: with more, to find their faces one by one takes as long as to go through all faces.
+// Largest share of vertices for tint(): with more, finding the faces of each takes as long as testing all faces.
 const double mostColored = 0.125;
 
 } // namespace
@@ -54,7 +54,7 @@ std::set<int> hiddenIn(const BendState &state) {
 
 } // namespace
 
-/// One colour per vertex slot, empty where nothing is marked or turned.
+/// One colour per vertex slot; empty if nothing is marked or turned.
 std::vector<vcg::Color4b> MarkColors::ofMarks(const BendSession &session) {
     const BendState &state = session.state();
     const BendTags *making = session.marksBeingMade(), *marks = making ? making : state.marks.get();
@@ -78,7 +78,7 @@ std::vector<vcg::Color4b> MarkColors::ofMarks(const BendSession &session) {
     return color;
 }
 
-/// Which vertices marks give a colour, unless that is known.
+/// Sets colored and colorOf, unless they are known.
 void MarkColors::findColored(const BendSession &session) {
     const BendState &state = session.state();
     Marked now = {state.marks, session.model().influence.tags, state.points, hiddenIn(state)};
@@ -98,7 +98,7 @@ void MarkColors::findColored(const BendSession &session) {
 std::optional<MarkColors::Tint> MarkColors::tint(BendSession &session) {
     if (!previewed || session.marksBeingMade() || isStretch(session) || layer.cm.fn == 0)
         return {};
-    const VertexFaces *faces = session.faces(); // which were read for what would move
+    const VertexFaces *faces = session.faces();
     if (!faces)
         return {};
     findColored(session);
@@ -123,13 +123,13 @@ std::optional<MarkColors::Tint> MarkColors::tint(BendSession &session) {
         if (tint.color[j][3] > 0)
             faces->forEach(own, [&](const std::uint32_t *corner) {
                 if (*std::find_if(corner, corner + 3, isSeen) != own)
-                    return; // it is another one's
+                    return; // another vertex lists this face
                 for (int k = 0; k < 3; ++k)
                     tint.element.push_back(placeOf(corner[k]));
                 tint.color.resize(placeOf.slot.size(), vcg::Color4b(0, 0, 0, 0));
             });
     }
-    if (!tint.element.empty()) // else points would be drawn
+    if (!tint.element.empty()) // without triangles, points would be drawn
         tint.slot = placeOf.slot;
     placeOf.clear();
     return tint;
@@ -141,13 +141,13 @@ bool MarkColors::preview(std::shared_ptr<const BendExtent> extent) {
     return isOther;
 }
 
-/// set(slot, color) for what would move.
+/// Calls set(slot, color) for the vertices of the preview.
 template <class Set>
 void MarkColors::forPreview(const BendSession &session, const Set &set) const {
     const BendTags &tags = session.tags();
     const auto *marks = session.state().marks.get();
     const auto mix = [&](std::size_t i, double share) {
-        if (!marks || (*marks)[i] == 1) // else it stays, or moves by itself
+        if (!marks || (*marks)[i] == 1) // marked vertices stay, or have a motion of their own
             set(i, vcg::Color4b(250, 190, 40, (unsigned char)(share * opacity)));
     };
     for (const std::size_t i : previewed->beyond)

@@ -11,31 +11,30 @@
 #include <optional>
 #include <set>
 
-/// What is drawn over a layer while it is bent.
+/// The colours over a layer while it is bent.
 class MarkColors {
   public:
     explicit MarkColors(const MeshModel &layer) : layer(layer) {}
 
-    /// Whether stretch is shown: the options say so, and nothing is being marked.
+    /// Whether stretch is shown: by the options, while nothing is being marked.
     bool isStretch(const BendSession &session) const;
-    /// One colour per vertex slot, of its stretch or else of its marks. Empty where there is nothing to be shown.
+    /// One colour per vertex slot, by stretch or by marks. Empty if there is nothing to show.
     std::vector<vcg::Color4b> of(const BendSession &session);
 
-    /// What LayerOverlay::show() takes of triangles.
+    /// Arguments of LayerOverlay::show().
     struct Tint {
         std::vector<std::uint32_t> slot, element;
         std::vector<vcg::Color4b> color;
     };
-    /// The same colours while something would move: of the vertices and faces alone that have any. None where all have
-    /// to be gone through anyway.
+    /// The same during a preview, but only vertices and faces with a colour. None if there are too many.
     std::optional<Tint> tint(BendSession &session);
 
-    /// From now on, what would move with a handle is shown by how much it would. \param extent null: no more is
-    /// \return whether that is another one
+    /// Sets the preview: the extent of a handle, by how much it would move. \param extent null: no preview
+    /// \return whether it has changed
     bool preview(std::shared_ptr<const BendExtent> extent);
 
   private:
-    /// What the colours of marks follow from.
+    /// All that the colours of marks depend on.
     struct Marked {
         std::shared_ptr<const BendTags> marks, tags;
         std::map<int, BendPoint> points;
@@ -52,11 +51,11 @@ class MarkColors {
 
     const MeshModel &layer;
     std::shared_ptr<const BendExtent> previewed;
-    std::optional<Marked> marked;           ///< of what is next
-    std::vector<std::uint32_t> colored;     ///< vertices that marks give a colour, ascending
+    std::optional<Marked> marked;           ///< for which \a colored was computed
+    std::vector<std::uint32_t> colored;     ///< vertices with a colour by marks, ascending
     std::vector<vcg::Color4b> colorOf;      ///< of each of these
-    std::unique_ptr<DrawnVertices> room;    ///< for those of a tint
-    std::unique_ptr<StretchColors> stretch; ///< once it has been shown
+    std::unique_ptr<DrawnVertices> room;    ///< for tint()
+    std::unique_ptr<StretchColors> stretch; ///< null until it is shown
 };
 
 #endif

@@ -61,7 +61,7 @@ void MarkInteraction::release() {
         end();
 }
 
-/// Another corner of a polygon, or its end.
+/// Adds a corner to a polygon, or ends it.
 bool MarkInteraction::press(QMouseEvent &event) {
     if (marking.kind != BendMarking::Polygon)
         return false;

@@ -5,11 +5,11 @@
 #include "edit_fcd/bend/tool/marking.h"
 #include "edit_fcd/bend/tool/stage.h"
 
-/// Vertices are marked as the panel says, by the brush, in a rectangle or in a polygon.
+/// Marks vertices as the panel says, by brush, rectangle or polygon.
 class MarkInteraction : public BendInteraction {
   public:
     MarkInteraction(BendStage &stage, BendMarking::Kind kind);
-    /// Where the mouse is now.
+    /// Begins at the mouse.
     void begin();
     void cancel() override;
     void move(QMouseEvent &event) override;

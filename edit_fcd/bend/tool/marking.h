@@ -5,19 +5,19 @@
 #include "edit_fcd/bend/model/session.h"
 #include "edit_fcd/view/brush.h"
 
-/// What is being marked in a view: by a brush, a rectangle or a polygon. All coordinates are those of the window.
+/// A marking in a view: by a brush, a rectangle or a polygon. Window coordinates.
 struct BendMarking {
     enum Kind { Brush, Rectangle, Polygon };
 
     Kind kind = Brush;
-    std::vector<Eigen::Vector2d> corners; ///< of a rectangle two opposite ones, of a brush its last place
-    std::vector<float> depth;             ///< as depthOf gives it, where only what is seen is marked; else empty
+    std::vector<Eigen::Vector2d> corners; ///< of a polygon; a rectangle's two opposite ones; a brush's last place
+    std::vector<float> depth;             ///< from depthOf, to mark visible vertices only; empty: all
 
-    /// The polygon that is marked; of a brush none.
+    /// The outline; empty for a brush.
     std::vector<Eigen::Vector2d> outline() const;
-    /// Vertices inside of the outline, and those on the other side of the mirror.
+    /// The vertices inside the outline, and those on the other side of the mirror.
     std::vector<std::size_t> inside(const BendSession &session, const Camera &view) const;
-    /// Moves the brush. \return vertices, as above, within \p radius of its way
+    /// Moves the brush. \return the same vertices, within \p radius of its path
     std::vector<std::size_t> strokeTo(const Eigen::Vector2d &to, double radius, const BendSession &session,
                                       const Camera &view);
 

@@ -8,12 +8,12 @@
 
 namespace {
 
-// Of a large surface each is some hundred kilobytes, and of one that is drawn with faces as many.
+// Each takes some hundred kilobytes.
 const std::size_t mostKnown = 32;
 
 } // namespace
 
-/// What is done beside the window, and what it finds.
+/// The work in the background, and its result.
 struct BendOnionSkin::Search {
     std::shared_ptr<BlendShapes> shapes;
     std::shared_ptr<const GhostParts> parts;
@@ -31,7 +31,7 @@ void BendOnionSkin::look(BendSession &session, double time, bool isShown) {
         pause();
         shapes = session.blendShapes();
         parts.reset();
-        source = session.blendSource(); // with what has been read for that
+        source = session.blendSource(); // blendShapes() may have read the surface
     }
     if (!shapes) {
         hide();
@@ -41,7 +41,7 @@ void BendOnionSkin::look(BendSession &session, double time, bool isShown) {
     begin();
 }
 
-/// What is wanted is shown as far as it is known; until then, what was.
+/// Shows the wanted ghosts if they are known; otherwise the last ones stay.
 void BendOnionSkin::showWanted() {
     show(before, wanted.before);
     show(after, wanted.after);
@@ -55,7 +55,7 @@ void BendOnionSkin::show(LayerGhost &ghost, const std::vector<double> &weight) {
         ghost.show(parts, found->second);
 }
 
-/// Looks for what is not known.
+/// Begins to compute the wanted shapes that are not known.
 void BendOnionSkin::begin() {
     if (work)
         return;
@@ -87,7 +87,7 @@ void BendOnionSkin::ended(const std::exception_ptr &thrown) {
             std::rethrow_exception(thrown);
     } catch (const vcg::fcd::Cancelled &) {
         isStopped = true;
-    } catch (const std::exception &e) { // a pose that cannot be shown, which is said where it is asked for
+    } catch (const std::exception &e) { // a pose that cannot be solved; the user is told when posing it
         trace("ghosts: none: %s", e.what());
     }
     if (!isStopped) {

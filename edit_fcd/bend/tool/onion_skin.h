@@ -14,24 +14,24 @@
 
 #include <QObject>
 
-/// The key frames beside what is shown, as ghosts. Their shapes are found beside the window, and kept until handles,
-/// poses or the rest shape change; until then, the last ones are shown.
+/// Shows the key frames before and after the shown time as ghosts. Their shapes are computed in the background, and
+/// kept until handles, poses or the rest shape change. Until new ones are found, the last ones are shown.
 class BendOnionSkin : public QObject {
   public:
     /// \param changed called when other ghosts are to be drawn; throws nothing
     explicit BendOnionSkin(std::function<void()> changed) : changed(std::move(changed)) {}
 
-    /// Shows the key frames beside a time, as ghostFrames() has it, once they are found.
+    /// Shows the key frames of ghostFrames() for a time, once they are found.
     void look(BendSession &session, double time, bool isShown);
-    /// Nothing is shown, or looked for.
+    /// Hides all, and stops the search.
     void hide();
-    /// Nothing is looked for: something else needs the time. What is shown stays.
+    /// Stops the search, since something else needs the time. Ghosts stay.
     void pause();
     /// \pre as LayerGhost::draw()
     void draw(const CMeshO &mesh);
 
   private:
-    using Shape = std::shared_ptr<const std::vector<float>>; ///< holds null where there is none to be had
+    using Shape = std::shared_ptr<const std::vector<float>>; ///< null: it cannot be computed
     struct Search;
 
     void show(LayerGhost &ghost, const std::vector<double> &weight);
@@ -41,12 +41,12 @@ class BendOnionSkin : public QObject {
 
     std::function<void()> changed;
     GhostFrames wanted;
-    BendSession::BlendSource source; ///< of what is known
+    BendSession::BlendSource source; ///< of the known shapes
     std::shared_ptr<BlendShapes> shapes;
-    std::shared_ptr<const GhostParts> parts; ///< null: of nothing yet
+    std::shared_ptr<const GhostParts> parts; ///< null: none yet
     std::map<std::vector<double>, Shape> known;
-    std::shared_ptr<Search> search;                                 ///< that goes on
-    LayerGhost before{{40, 140, 60, 90}}, after{{60, 70, 210, 90}}; ///< green and blue, as Blender has them
+    std::shared_ptr<Search> search;                                 ///< the running one
+    LayerGhost before{{40, 140, 60, 90}}, after{{60, 70, 210, 90}}; ///< green and blue, as in Blender
     JobRunner work{this};
 };
 

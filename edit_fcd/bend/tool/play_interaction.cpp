@@ -28,7 +28,7 @@ void PlayInteraction::begin() {
         [this] { stage.ended(); });
 }
 
-/// A frame for each that is drawn.
+/// Shows the next frame, once the last one is painted.
 void PlayInteraction::show() {
     if (!stage.isPainted)
         return;

@@ -4,12 +4,12 @@
 
 #include "edit_fcd/bend/tool/stage.h"
 
-/// The key frames are played, until something else is done.
+/// Plays the key frames until something else is done.
 class PlayInteraction : public BendInteraction {
   public:
     using BendInteraction::BendInteraction;
     void begin();
-    void cancel() override; ///< the layer has the shape before
+    void cancel() override; ///< restores the shape before
     void move(QMouseEvent &) override {}
     bool takesAllKeys() const override { return frames.isActive(); }
     bool isEndedByAll() const override { return frames.isActive(); }
@@ -18,7 +18,7 @@ class PlayInteraction : public BendInteraction {
   private:
     void show();
 
-    QTimer frames; ///< to the next one
+    QTimer frames; ///< until the next frame
     QElapsedTimer since;
     double length = 0; ///< seconds
 };

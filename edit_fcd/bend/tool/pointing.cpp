@@ -18,10 +18,9 @@ std::optional<Eigen::Vector3d> BendStage::pick() const {
     return seen.toWorld(window);
 }
 
-/// Where the mouse is now: keys, and the wheel, come without it.
 void BendStage::findMouse() { mouse = view->mapFromGlobal(QCursor::pos()); }
 
-/// The point handle at a place of the window, 0: none. \param least pixels that it is near
+/// The point handle at a place of the window, 0: none. \param least largest distance, pixels
 int BendStage::pointAt(const Eigen::Vector2d &window, double least) const {
     int tag = 0;
     for (const auto &point : session->state().points) {
@@ -34,7 +33,6 @@ int BendStage::pointAt(const Eigen::Vector2d &window, double least) const {
     return tag;
 }
 
-/// The vertex of the layer under the mouse, none where there is nothing, or another layer.
 std::optional<std::size_t> BendStage::slotAtMouse() const {
     const std::optional<Eigen::Vector3d> place = pick();
     double distance = 0;
@@ -54,11 +52,10 @@ BendStage::Place BendStage::placeAtMouse() const {
 
 bool BendStage::isForLimb(const Place &place) const {
     const BendModel &model = session->model();
-    const bool isLocal = model.influence.isLocal || !session->state().marks; // else what is fixed says what bends
+    const bool isLocal = model.influence.isLocal || !session->state().marks; // else the fixed vertices bound what bends
     return panel->mode() == BendPanel::Drag && isLocal && (!place.tag || turnsLimb(model, place.tag));
 }
 
-/// The part of the gizmo under the mouse, none where that is on the dot of another handle, which a ring may cross.
 std::optional<GizmoPart> BendStage::partAtMouse() const {
     const std::optional<Gizmo> shown = gizmo();
     const Eigen::Vector2d window = mouseInWindow().head<2>();
@@ -66,7 +63,6 @@ std::optional<GizmoPart> BendStage::partAtMouse() const {
     return shown && (!point || point == selected()) ? gizmoAt(seen, *shown, window) : std::nullopt;
 }
 
-/// The handle that keys move where none is under the mouse; 0 where there is none.
 int BendStage::selected() const {
     if (session->model().influence.isHandle(active))
         return active;
@@ -85,7 +81,6 @@ Eigen::Matrix3d BendStage::axesOf(int tag) const {
     return axes;
 }
 
-/// That of the selected handle.
 std::optional<Gizmo> BendStage::gizmo() const {
     const BendDrag *dragged = drag();
     const int tag = dragged ? dragged->tag : selected();

@@ -15,7 +15,7 @@
 #include <QFileDialog>
 #include <QMessageBox>
 
-// What the panel does with poses that have names.
+// The panel's commands for named poses.
 
 void BendTool::connectPoses() {
     BendPoseBox *box = &panel->poses();
@@ -41,7 +41,7 @@ void BendTool::connectPoses() {
         });
     });
     when(list, &BendPoseList::renamed, [this](int row, const QString &name) {
-        later([=] { // once the list has done with it: this may ask
+        later([=] { // after the list's own events: this may ask the user
             changePose(row, [&] { renamePose(std::size_t(row), name.trimmed().toStdString()); });
         });
     });
@@ -91,21 +91,21 @@ void BendTool::connectPoses() {
          [edit](int row) { edit(row, [=](KeyFrames &all) { all.erase(all.begin() + row); }); });
 }
 
-/// Does something to the poses, if that can be done now; the panel shows what there is.
+/// Changes the poses, if that can be done now, and updates the panel.
 void BendTool::changePoses(const std::function<void()> &change) {
     hint.clear();
     guarded([&] {
         if (isForPanel())
             change();
     });
-    later([this] { // not in the midst of the list's own events
+    later([this] { // after the list's own events
         refresh();
         if (view)
             view->update();
     });
 }
 
-/// The same to one of them, which may be gone: while a cell is edited, its list shows what there was.
+/// Changes one pose. It may be gone: while a cell is edited, its list is not updated.
 void BendTool::changePose(int row, const std::function<void()> &change) {
     changePoses([&] {
         if (session->state().poses && std::size_t(row) < session->state().poses->pose.size())
@@ -113,7 +113,7 @@ void BendTool::changePose(int row, const std::function<void()> &change) {
     });
 }
 
-/// The same to a key frame.
+/// Changes a key frame, in the same way.
 void BendTool::changeFrame(int row, const std::function<void()> &change) {
     changePoses([&] {
         if (session->state().poses && std::size_t(row) < keyFrames(session->state()).size())
@@ -121,7 +121,7 @@ void BendTool::changeFrame(int row, const std::function<void()> &change) {
     });
 }
 
-/// A pose gets a name. If another one has it, that can be replaced, which undo takes back.
+/// Renames a pose. If another pose has the name, asks whether to replace it; undo takes it back.
 void BendTool::renamePose(std::size_t number, const std::string &name) {
     const std::optional<std::size_t> other = poseOfName(session->state(), name, number);
     if (!other) {
@@ -150,7 +150,7 @@ void BendTool::showBlend(const std::vector<double> &weights) {
     solve(true);
 }
 
-/// What the animation has at that time.
+/// Shows the animation at a time.
 void BendTool::showFrame(double time) {
     session->change();
     showBlend(session->state().poses->WeightsAt(time));
@@ -197,7 +197,7 @@ void BendTool::onPoseCommand(int which) {
         refresh();
         break;
     case BendPoseBox::Play:
-        if (!wasPlaying) // else it was stopped by the press
+        if (!wasPlaying) // otherwise the press has stopped it
             goOn<PlayInteraction>().begin();
         break;
     case BendPoseBox::Export: exportAnimation(); break;
@@ -205,7 +205,7 @@ void BendTool::onPoseCommand(int which) {
     view->update();
 }
 
-/// The key frames become a file, beside the window.
+/// Exports the key frames, in the background.
 void BendTool::exportAnimation() {
     const std::vector<vcg::fcd::KeyFrame> &keys = expectAnimation(session->state()).key;
     BendExportDialog dialog(keys.front().time, keys.back().time, view->window());
@@ -240,7 +240,7 @@ void BendTool::exportAnimation() {
         {}, true);
 }
 
-/// The time of the animation that has what is shown: where that was asked for, or that of a key frame.
+/// The time of the animation with the shown shape: the one asked for last, or that of a key frame.
 std::optional<double> BendTool::shownFrame() const {
     const BendState &state = session->state();
     const std::vector<vcg::fcd::KeyFrame> keys = keyFrames(state);
@@ -286,7 +286,7 @@ void BendTool::showPoses() {
         bar.showTime(time);
 }
 
-/// The key frames beside what is shown, unless they are played. While something is dragged, the ghosts stay.
+/// Updates the ghosts, unless key frames are played. During a drag, they stay.
 void BendTool::lookForGhosts() {
     const auto *scrub = dynamic_cast<const ScrubInteraction *>(going.get());
     if (!panel->hasOnionSkin() || !layer() || (going && going->isEndedByAll() && !scrub)) {

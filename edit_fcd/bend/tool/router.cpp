@@ -10,9 +10,9 @@
 #include <cmath>
 #include <tuple>
 
-// The mouse: to what goes on, or else to what it begins, or to the camera.
+// Events of the mouse: for the interaction that goes on, for one that they begin, or for the camera.
 
-/// Hands an event on to the camera.
+/// Passes an event to the camera.
 void BendTool::toCamera(QMouseEvent *event) {
     isCamera = event->type() != QEvent::MouseButtonRelease;
     ::toCamera(*view, event);
@@ -44,7 +44,7 @@ void BendTool::press(QMouseEvent *event) {
               millisecondsSinceEvent());
 }
 
-/// Begins what a press in this mode begins. \return false where that is nothing
+/// Begins what a press in this mode begins. \return false if that is nothing
 bool BendTool::begin() {
     switch (panel->mode()) {
     case BendPanel::Drag:
@@ -65,8 +65,8 @@ bool BendTool::begin() {
     return false;
 }
 
-/// What is marked quickly is marked; else the view turns about the place under the mouse from then on, as the host has
-/// it, and the handle that the first click was about to make is none.
+/// In a mode that marks, a double click counts as two clicks. Otherwise it is the host's, which centers the view at the
+/// place under the mouse; a handle made by the first click is removed.
 void BendTool::doubleClick(QMouseEvent *event) {
     if (!panel->isBending() && event->button() == Qt::LeftButton) {
         if (!going || !going->doubleClick())
@@ -87,10 +87,10 @@ void BendTool::doubleClick(QMouseEvent *event) {
     toHost(*view, event);
 }
 
-/// Whether the mouse, which has moved or was released, is for the layer, and not for the camera.
+/// Whether a move or a release is for the layer, and not for the camera.
 bool BendTool::isForLayer(QMouseEvent *event) {
     mouse = event->localPos();
-    const bool isForCamera = isCamera; // a release ends that
+    const bool isForCamera = isCamera; // before a release resets it
     if (isForCamera)
         toCamera(event);
     return !isForCamera && layer();
@@ -128,7 +128,7 @@ void BendTool::turnWheel(QWheelEvent *event) {
     }
 }
 
-/// The free rim of the mark under the mouse gets so many times as wide. \return whether there is a mark
+/// Multiplies the radius of the mark or point under the mouse. \return whether there is one
 bool BendTool::changeRim(double times) {
     findMouse();
     const Place place = placeAtMouse();
@@ -137,8 +137,8 @@ bool BendTool::changeRim(double times) {
     const auto &marks = session->state().marks;
     if (!tag && !(found && marks && (*marks)[*found] == 0))
         return false;
-    const std::size_t slot = found.value_or(0); // of what is fixed, where there is no handle
-    // A way of the wheel is one step of undo.
+    const std::size_t slot = found.value_or(0); // fixed, if there is no handle
+    // Turns of the wheel within a second are one step of undo.
     if (!sinceRim.isValid() || sinceRim.hasExpired(1000))
         session->change();
     sinceRim.start();
@@ -151,7 +151,7 @@ bool BendTool::changeRim(double times) {
         rim = rimAt(session->state(), slot, session->diagonal());
     }
     const double percent = 100 * rim / session->diagonal();
-    const bool isPoint = session->state().points.count(tag) > 0; // which has no rim, but bends as far
+    const bool isPoint = session->state().points.count(tag) > 0; // its radius is how far it bends, not a rim
     hint = QString(isPoint ? "%1: bends what is within %2 % of the diagonal."
                            : "%1: nothing else is held within %2 % of the diagonal.")
                .arg(tag ? QString::fromStdString(nameOf(session->state(), tag)) : QString("What is fixed here"))
@@ -162,7 +162,7 @@ bool BendTool::changeRim(double times) {
     return true;
 }
 
-/// What is under the mouse lights up: what a press would take, which may be a ring that lies over another handle.
+/// Highlights what a press would take, which may be a ring over another handle.
 void BendTool::hover() {
     const std::optional<GizmoPart> part = partAtMouse();
     const Place place = placeOfKeys();
@@ -170,7 +170,7 @@ void BendTool::hover() {
     const bool isBegin = beginsByKey(place);
     foreseen = part ? Place{selected(), {}, {}} : place;
     if (!isForeseeing)
-        later([this] { foresee(); }); // where the mouse is then: it may move faster
+        later([this] { foresee(); }); // once for several moves of the mouse
     isForeseeing = true;
     if (tag == hovered && part == lit && isBegin == keysBegin && place.tag == keysTag)
         return;
@@ -182,7 +182,7 @@ void BendTool::hover() {
     view->update();
 }
 
-/// What a press would move is shown by how much it would, and where it would turn.
+/// Previews how much a press would move, and about which pivot.
 void BendTool::foresee() {
     isForeseeing = false;
     if (!layer() || going || preparing || !panel->isBending() || isSuspended)
@@ -201,12 +201,12 @@ void BendTool::foresee() {
     if (isLimbForeseen && tag) {
         const std::optional<std::size_t> held = slot ? slot : foreseen.held;
         if (const int first = jointBefore(model, tag, held ? session->positionOf(*held) : dotOf(model, foreseen.tag))) {
-            foreseenPivots.push_back(pivotOf(model, tag)); // there it bends, and all of it turns
+            foreseenPivots.push_back(pivotOf(model, tag)); // the limb bends there, and turns at the first joint
             tag = first;
             found = session->glimpseOf(first);
         }
     }
-    if (!found && (model.influence.isLocal || !session->state().marks)) { // else all that is free moves
+    if (!found && (model.influence.isLocal || !session->state().marks)) { // else all free vertices move
         tag = foreseen.tag;
         found = tag ? session->glimpseOf(tag) : isThere ? session->glimpse(*slot, worldRadius) : nullptr;
     }
@@ -225,7 +225,7 @@ void BendTool::foresee() {
               int(found->beyond.size() + found->around.size()), 1000 * watch.Seconds());
 }
 
-/// Nothing is going to move any more.
+/// Removes the preview.
 void BendTool::forgetForeseen() {
     foreseenPivots.clear();
     isLimbForeseen = false;
@@ -233,7 +233,7 @@ void BendTool::forgetForeseen() {
         showOverlay();
 }
 
-/// Begins to drag what is under the mouse. \return false where there is nothing to drag
+/// Begins to drag what is under the mouse. \return false if there is nothing to drag
 bool BendTool::grab() {
     if (std::optional<GizmoPart> part = partAtMouse()) {
         if (part->axis < 0 && isForLimb({selected(), {}, {}}))
@@ -258,7 +258,7 @@ void BendTool::beginDrag(const DragInteraction::Grip &grip) {
         throw vcg::fcd::Error(nameOf(session->state(), grip.tag) + " is locked: the list of handles unlocks it.");
     foreseenPivots.clear();
     isLimbForeseen = false;
-    colors->preview(nullptr); // the drag shows what it moves
+    colors->preview(nullptr); // the drag has its own preview
     DragInteraction &begun = goOn<DragInteraction>();
     try {
         begun.begin(grip);

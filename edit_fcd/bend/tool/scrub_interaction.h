@@ -4,17 +4,17 @@
 
 #include "edit_fcd/bend/tool/stage.h"
 
-/// The layer shows the animation at the time that is dragged to in the panel.
+/// Shows the animation at the time that is dragged to in the panel.
 class ScrubInteraction : public BendInteraction {
   public:
-    /// \param kept is told, once it has ended, where
+    /// \param kept gets the time at the end
     ScrubInteraction(BendStage &stage, std::function<void(double)> kept)
         : BendInteraction(stage), kept(std::move(kept)) {}
-    void begin(double time); ///< seconds, as the key frames have it
+    void begin(double time); ///< seconds, of the key frames
     void to(double time);
-    double time() const { return asked; } ///< seconds, as the key frames have it
+    double time() const { return asked; } ///< seconds, of the key frames
     void end();
-    void cancel() override; ///< the layer has the shape before
+    void cancel() override; ///< restores the shape before
     void move(QMouseEvent &) override {}
     bool takesAllKeys() const override { return isReady; }
     bool isEndedByAll() const override { return isReady; }
@@ -27,7 +27,7 @@ class ScrubInteraction : public BendInteraction {
     std::function<void(double)> kept;
     double asked = 0, first = 0; ///< seconds
     bool isReady = false;        ///< the layer is prepared
-    bool isReleased = false;     ///< before that
+    bool isReleased = false;     ///< the mouse was released before that
 };
 
 #endif

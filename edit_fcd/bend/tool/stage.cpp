@@ -3,11 +3,11 @@
 
 #include "edit_fcd/view/trace.h"
 
-// How a layer that is bent is solved and shown, and what is done beside the window for that.
+// Solves and shows the layer, also in the background.
 
 namespace {
 
-// Milliseconds: a slider that is drawn gives its next value sooner, and a person does not wait.
+// Milliseconds: longer than between two values of a dragged slider, and too short to wait for.
 const int restBeforeContact = 200;
 
 } // namespace
@@ -73,8 +73,8 @@ void BendStage::showVertices(bool full) {
         overlay->move();
 }
 
-/// The layer is not what its file has: the list of layers says so. (The host says it of any layer that is edited, when
-/// it writes that list anew.)
+/// Shows in the list of layers that the layer has changed. (When the host updates that list, it does so for any edited
+/// layer.)
 void BendStage::showChanged() {
     if (isShownChanged && model->meshModified())
         return;
@@ -83,7 +83,8 @@ void BendStage::showChanged() {
     isShownChanged = true;
 }
 
-/// Of a shape that rests, once nothing goes on: the panel, the stretch and, the first time, the log tell of it.
+/// Looks for contact in a shape at rest, once nothing goes on, and shows it in panel, stretch and, the first time, the
+/// log.
 void BendStage::lookForContact() {
     if (!layer() || isLive)
         return;
@@ -96,7 +97,7 @@ void BendStage::lookForContact() {
     const std::string contact = session->contact().Text();
     trace("contact: %d triangles, %.1f ms", int(session->contact().face.size()), 1000 * watch.Seconds());
     if (!contact.empty() && !isContactTold)
-        say(contact); // which the panel says by itself, as long as it is so
+        say(contact); // the panel shows it anyway
     isContactTold = !contact.empty();
     if (contact.empty())
         return;
@@ -105,7 +106,6 @@ void BendStage::lookForContact() {
     refresh();
 }
 
-/// Shows the marks, or the stretch.
 void BendStage::showOverlay() {
     if (!layer())
         return;
@@ -121,7 +121,6 @@ void BendStage::showOverlay() {
     view->update();
 }
 
-/// What has moved step by step is solved to the end. \pre there is a layer
 void BendStage::comeToRest() {
     display->rest();
     solve(true);
@@ -150,14 +149,14 @@ void BendStage::solve(bool full) {
     showVertices(full);
     const double took = 1000 * watch.Seconds();
     if (!full)
-        milliseconds = took; // of a step
+        milliseconds = took;
     trace("%s: %d vertices, %d nodes, prepare %.1f, solve %.1f, write %.1f, buffers %.1f, in all %.1f, since the event "
           "%.1f ms",
           full ? "full" : "drag", model->cm.vn, session->nodes(), times.prepare, times.solve, times.write,
           took - solved, took, millisecondsSinceEvent());
 }
 
-// --- beside the window ---
+// --- in the background ---
 
 void BendStage::beside(const QString &what, const JobRunner::Work &work, std::function<void()> done,
                        std::function<void()> stopped, bool isLong) {
@@ -182,13 +181,13 @@ void BendStage::beside(const QString &what, const JobRunner::Work &work, std::fu
                 whenDone();
                 return;
             }
-            stopPreparing(); // what something else has made of the layer stays
+            stopPreparing(); // keep the change by something else
             if (!thrown)
                 throw vcg::fcd::Error(
                     "Something else has changed the layer meanwhile, so this was not done. Begin again.");
             try {
                 std::rethrow_exception(thrown);
-            } catch (const vcg::fcd::Cancelled &) { // a person knows
+            } catch (const vcg::fcd::Cancelled &) { // the user cancelled it
             }
         });
     });
@@ -201,15 +200,15 @@ void BendStage::beside(const QString &what, const JobRunner::Work &work, std::fu
 void BendStage::whenDone() {
     if (!layer()) {
         if (going)
-            going->cancel(); // which touches no layer then
+            going->cancel();
         return;
     }
     session->endBeside();
-    const std::function<void()> done = std::move(whenPrepared); // which may begin other work
+    const std::function<void()> done = std::move(whenPrepared); // it may begin other work
     done();
 }
 
-/// The window looks as if nothing was being done.
+/// Removes the signs of work in the background.
 void BendStage::restFromPreparing() {
     preparingTimer.stop();
     if (view)

@@ -21,26 +21,26 @@
 #include <QPointer>
 #include <QTimer>
 
-/// Vertices of a layer that is prepared in less than 0.2 s (two cores; 1.2 million take 0.5 s, and their surface
-/// another second); with more, that is done beside the window.
+/// Layers of up to so many vertices are prepared at once, in less than 0.2 s (two cores; 1.2 million take 0.5 s, and
+/// their surface another second). Larger ones are prepared in the background.
 const int preparedAtOnce = 200000;
 
-/// A layer in a view while it is bent: how it is shown and solved, what the mouse points at, and the one interaction
-/// that goes on. What begins when is the tool's.
+/// A layer in a view while it is bent: shows and solves it, finds what the mouse points at, and owns the one
+/// interaction that goes on. BendTool decides what begins.
 class BendStage : public LayerTool {
   public:
     explicit BendStage(QAction *action);
 
-    MeshModel *layer() const; ///< null when it is gone, or has become another mesh
+    MeshModel *layer() const; ///< null if it is gone, or has become another mesh
     bool isReady() override = 0;
     /// Whether a press is for the layer, and not for the camera.
     bool isPlain(const QMouseEvent &event) const {
         return event.button() == Qt::LeftButton && event.modifiers() == Qt::NoModifier && !isCamera;
     }
 
-    // --- what goes on ---
+    // --- the interaction ---
 
-    /// \pre nothing does
+    /// Begins an interaction. \pre none goes on
     template <class Interaction, class... Arguments>
     Interaction &goOn(Arguments &&...arguments) {
         auto made = std::make_unique<Interaction>(*this, std::forward<Arguments>(arguments)...);
@@ -48,51 +48,51 @@ class BendStage : public LayerTool {
         going = std::move(made);
         return begun;
     }
-    void ended() { gone = std::move(going); } ///< which is in the midst of saying so
+    void ended() { gone = std::move(going); } ///< keeps it alive: it is the caller
     const BendDrag *drag() const { return going ? going->drag() : nullptr; }
 
-    /// Does work on the session: at once, or, with a large layer, beside the window. \param what the panel says
-    /// meanwhile \param stopped called instead of \p done when it is cancelled, or fails; may be empty
-    /// \param isLong with any layer
+    /// Does work on the session: at once, or, for a large layer, in the background. \param what text of the panel
+    /// meanwhile \param stopped called instead of \p done if it is cancelled or fails; may be empty \param isLong
+    /// always in the background
     void beside(const QString &what, const JobRunner::Work &work, std::function<void()> done,
                 std::function<void()> stopped = {}, bool isLong = false);
-    /// What is done beside the window is taken back.
+    /// Stops the work in the background, and takes it back.
     void stopPreparing();
 
     // --- what the mouse points at ---
 
     Eigen::Vector3d mouseInWindow() const { return windowOfMouse(); }
-    void findMouse(); ///< keys, and the wheel, come without it
-    /// In the world, none where there is nothing.
+    void findMouse(); ///< for keys and the wheel, whose events lack its place
+    /// The point under the mouse, world; none if there is nothing.
     std::optional<Eigen::Vector3d> pick() const;
-    /// What is under the mouse: a handle, or else a vertex of the layer, which may go along with one.
+    /// What is under the mouse: a handle, or else a vertex of the layer, which may move along with one.
     struct Place {
         int tag = 0; ///< 0: none
         std::optional<std::size_t> slot;
-        std::optional<std::size_t> held; ///< the vertex there that the handle holds
+        std::optional<std::size_t> held; ///< vertex there that the handle holds
     };
     Place placeAtMouse() const;
-    std::optional<std::size_t> slotAtMouse() const; ///< none where there is nothing, or another layer
-    /// Whether a press there turns the limb that it is on, if it is on one, and pulls nothing: in the mode Drag, where
-    /// it is no other handle and nothing is marked as fixed.
+    std::optional<std::size_t> slotAtMouse() const; ///< vertex; none if there is nothing, or another layer
+    /// Whether a press there turns its limb instead of pulling it: in the mode Drag, on no handle that does not turn a
+    /// limb, and if nothing is marked as fixed.
     bool isForLimb(const Place &place) const;
-    /// The part of the gizmo under the mouse, none where that is on the dot of another handle, which a ring may cross.
+    /// The part of the gizmo under the mouse; none on the dot of another handle, which a ring may cross.
     std::optional<GizmoPart> partAtMouse() const;
-    int selected() const;               ///< the handle that keys move where none is under the mouse, 0: there is none
+    int selected() const;               ///< handle that keys move if none is under the mouse; 0: none
     std::optional<Gizmo> gizmo() const; ///< of the selected handle
     Eigen::Matrix3d axesOf(int tag) const;
 
     // --- what is shown ---
 
     void solve(bool full);
-    void comeToRest(); ///< what has moved step by step is solved to the end \pre there is a layer
+    void comeToRest(); ///< makes a full solve after steps \pre there is a layer
     void showVertices(bool full) override;
     void showChanged();
-    void showOverlay(); ///< the marks, or the stretch
+    void showOverlay(); ///< marks or stretch
 
-    int tagToMark() const;      ///< what is marked next to a handle that was moved is another handle, at rest
-    void takeNewHandle() const; ///< which the panel shows
-    void takeMarks();           ///< what was marked is
+    int tagToMark() const;      ///< the panel's tag; an unused one if that handle was moved
+    void takeNewHandle() const; ///< shows tagToMark() in the panel
+    void takeMarks();           ///< ends a marking
 
     using LayerTool::display;
     using LayerTool::every;
@@ -107,13 +107,13 @@ class BendStage : public LayerTool {
     using LayerTool::view;
     QPointer<BendPanel> panel;
     std::unique_ptr<BendSession> session;
-    std::unique_ptr<MovingPart> moving; ///< while something is dragged, and the host does not draw the layer
+    std::unique_ptr<MovingPart> moving; ///< while it draws the layer instead of the host
     std::unique_ptr<MarkColors> colors;
-    int active = 0;         ///< the handle that was chosen last, if it is still there
-    bool isChosen = false;  ///< it was clicked, or in the list: keys move it wherever the mouse is
-    bool isLive = false;    ///< the layer has a shape between two full solves
-    bool isClicked = false; ///< what was begun last is a new handle, which was not moved
-    double frame = 0;       ///< milliseconds from one drawing to the next, of the last ones while dragged; 0: none yet
+    int active = 0;         ///< the handle chosen last; may be gone
+    bool isChosen = false;  ///< it was clicked, in view or list: keys move it, wherever the mouse is
+    bool isLive = false;    ///< the shape is from steps; a full solve must follow
+    bool isClicked = false; ///< the last drag made a new handle, and did not move it
+    double frame = 0;       ///< mean milliseconds between drawings of a drag; 0: none yet
     QElapsedTimer sinceEvent;
     double millisecondsSinceEvent() const { return sinceEvent.isValid() ? double(sinceEvent.nsecsElapsed()) / 1e6 : 0; }
 
@@ -122,10 +122,10 @@ class BendStage : public LayerTool {
     void step() override;
 
     std::unique_ptr<BendInteraction> going;
-    JobRunner preparing{this}; ///< while it runs, nothing else touches the session
+    JobRunner preparing{this}; ///< nothing else may touch the session while it runs
     QString preparingWhat;
-    bool isShownChanged = false; ///< the list of layers shows that the layer was changed
-    bool isContactTold = false;  ///< the log has told of the contact that there is
+    bool isShownChanged = false; ///< the list of layers shows the layer as changed
+    bool isContactTold = false;  ///< the present contact is in the log
     double milliseconds = 0;     ///< of the last step
 
   private:
@@ -134,10 +134,10 @@ class BendStage : public LayerTool {
     void whenDone();
     void restFromPreparing();
 
-    std::unique_ptr<BendInteraction> gone; ///< the last one, until the next has ended
+    std::unique_ptr<BendInteraction> gone; ///< the last one, until the next one ends
     std::function<void()> whenPrepared, whenStopped;
-    QTimer preparingTimer; ///< to say how far that is
-    QTimer restingTimer;   ///< since the last full pose
+    QTimer preparingTimer; ///< shows the progress
+    QTimer restingTimer;   ///< runs since the last full solve
 };
 
 #endif
