@@ -9,7 +9,7 @@
 
 namespace {
 
-/// A bent bar, with its handle red and what is fixed blue.
+/// A bent bar with a red handle and a blue fixed end.
 QIcon bendIcon() {
     QPixmap pixmap(64, 64);
     pixmap.fill(Qt::transparent);
@@ -25,7 +25,7 @@ QIcon bendIcon() {
     return QIcon(pixmap);
 }
 
-/// A curve, another one that comes near to it, and pairs of points.
+/// Two curves, and pairs of points between them.
 QIcon fitIcon() {
     QPixmap pixmap(64, 64);
     pixmap.fill(Qt::transparent);

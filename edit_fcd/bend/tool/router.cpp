@@ -65,8 +65,8 @@ bool BendTool::begin() {
     return false;
 }
 
-/// In a mode that marks, a double click counts as two clicks. Otherwise it is the host's, which centers the view at the
-/// place under the mouse; a handle made by the first click is removed.
+/// In a mode that marks, a double click counts as two clicks. Otherwise the host makes the place under the mouse the
+/// centre of the view's turns, and a handle of the first click is removed.
 void BendTool::doubleClick(QMouseEvent *event) {
     if (!panel->isBending() && event->button() == Qt::LeftButton) {
         if (!going || !going->doubleClick())

@@ -37,10 +37,10 @@ std::vector<Eigen::Vector3d> inWorld(const MeshModel &layer, const Point3m *rest
     return position;
 }
 
-/// The live vertices of a layer at rest, in the world.
+/// The live vertices of a layer at rest, world.
 struct RestPlaces {
     std::vector<std::size_t> slot;
-    std::vector<Eigen::Vector3d> position; ///< of each
+    std::vector<Eigen::Vector3d> position;
     vcg::fcd::PointTree<double> tree;
 
     RestPlaces(const MeshModel &layer, const Point3m *rest)
@@ -48,7 +48,7 @@ struct RestPlaces {
     std::size_t nearest(const Eigen::Vector3d &place) const { return std::size_t(tree.Nearest(place)); }
 };
 
-/// How far the points of a .pp file are from a layer, the mean.
+/// The mean distance of the points of a .pp file from a layer, world.
 double farFrom(const MeshModel &layer, const Point3m *rest, const QString &file) {
     const std::vector<Eigen::Vector3d> points = readActivePoints(bytesOf(file), inQuotes(file));
     const RestPlaces places(layer, rest);
@@ -58,8 +58,8 @@ double farFrom(const MeshModel &layer, const Point3m *rest, const QString &file)
     return points.empty() ? 0 : sum / double(points.size());
 }
 
-/// The names of the pairs of a file, or of two: of picked points those of the first ends, in a list what follows # in a
-/// line with a pair; empty where there is none.
+/// The names of the pairs of a file: of picked points, those of the first ends; in a list, what follows # in a pair's
+/// line, or empty.
 std::vector<std::string> namesIn(const QString &file, bool isOfPairs) {
     std::vector<std::string> names;
     if (isPicked(file)) {
@@ -96,13 +96,13 @@ std::vector<FitPair> loadPairs(const MeshModel &layer, const Point3m *rest, cons
 
 void savePairs(const MeshModel &layer, const Point3m *rest, const std::vector<FitPair> &pairs, const QString &file) {
     expectSavable(pairs);
-    const std::vector<std::size_t> live = liveSlots(layer.cm); // which files count
+    const std::vector<std::size_t> live = liveSlots(layer.cm); // files number live vertices
     const Eigen::Affine3d world = invertibleMatrixOf(layer);
     std::vector<std::pair<std::string, Eigen::Vector3d>> points;
     std::string list = "# vertex, x, y, z of its place on the target # name\n";
     for (const FitPair &each : pairs) {
         if (!each.slot || !each.place)
-            continue; // never: all are whole
+            continue; // never: expectSavable()
         const std::size_t slot = *each.slot;
         const Eigen::Vector3d place = *each.place;
         points.emplace_back(each.name, world * toVector(rest[slot]));

@@ -13,33 +13,34 @@
 
 #include <QStringList>
 
-/// Pairs as 'landmarks_file' reads them: a .csv, or a .pp with both ends of each; or two .pp files with the same names,
-/// of which the one whose points are nearer to the layer is that of the layer.
-/// \param rest of each vertex slot \param files one or two \throw vcg::fcd::Error each message says what to do
+/// Reads pairs as 'landmarks_file' does: from a .csv, a .pp with both ends of each pair, or two .pp files with the same
+/// names. Of two, the file whose points are nearer to the layer is the layer's. \param rest positions of vertex slots
+/// \param files one or two \throw vcg::fcd::Error they cannot be read as pairs
 std::vector<FitPair> loadPairs(const MeshModel &layer, const Point3m *rest, const QStringList &files);
 
-/// Writes what loadPairs reads, a .pp file or else a list. \param rest of each vertex slot
+/// Writes a file for loadPairs: a .pp file, or else a list. \param rest positions of vertex slots
 /// \throw vcg::fcd::Error as expectSavable; or the file cannot be written
 void savePairs(const MeshModel &layer, const Point3m *rest, const std::vector<FitPair> &pairs, const QString &file);
 
-/// \throw vcg::fcd::Error no pair, or one that lacks one of its ends
+/// \throw vcg::fcd::Error there is no pair, or one lacks an end
 void expectSavable(const std::vector<FitPair> &pairs);
-/// \throw vcg::fcd::Error naming a pair that lacks one of its ends
+/// \throw vcg::fcd::Error a pair lacks an end, with its name
 void expectWhole(const std::vector<FitPair> &pairs);
 
-/// A pair whose place on the target is not known yet; its name is the first number that none has. \throw as setSource
+/// Adds a pair without a place on the target. Its name is the first unused number. \throw vcg::fcd::Error as setSource
 void addPair(std::vector<FitPair> &pairs, std::size_t slot);
-/// \throw vcg::fcd::Error another pair is at that vertex
+/// Moves a pair's end on the layer. \throw vcg::fcd::Error another pair has that vertex
 void setSource(std::vector<FitPair> &pairs, std::size_t pair, std::size_t slot);
 
-/// Curves of a file that lead a fit, and where those of the layer go with it.
+/// The curves of a file for a fit, and the vertices with which those on the layer move.
 struct FitLines {
     std::string file;
     std::vector<vcg::fcd::CurvePair> curves;
-    std::vector<std::vector<std::size_t>> nearest; ///< of each, of each corner of the source: slot of a vertex
+    std::vector<std::vector<std::size_t>>
+        nearest; ///< of each curve, of each corner on the source: slot of the nearest vertex
 };
 
-/// \param rest of each vertex slot, at least one of which is live \throw vcg::fcd::Error as ReadCurveFile
+/// \param rest positions of vertex slots, at least one of them live \throw vcg::fcd::Error as ReadCurveFile
 std::shared_ptr<const FitLines> loadLines(const MeshModel &layer, const Point3m *rest, const std::string &file);
 
 #endif

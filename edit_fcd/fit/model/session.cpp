@@ -97,7 +97,7 @@ void FitSession::keep(const MeshModel *target) {
         next.matrix = layer.cm.Tr;
     }
     const bool isTold = !next.pairs.empty() || next.isSet() || isLeft;
-    if (isTold && next.target.empty() && target) // another document may have its layers in another order
+    if (isTold && next.target.empty() && target) // the name, since numbers differ in other documents
         next.target = target->label().toStdString();
     if (kept ? *kept == next : !isTold)
         return;
@@ -119,7 +119,7 @@ bool FitSession::undo() {
         showPainted(from);
         return !(now == from);
     }
-    // The rest shape of then; what led beyond it is gone.
+    // Undo of an apply: back to the rest shape before it, without a redo.
     restore();
     history.forgetUndone();
     if (!goBackTo(document, layer, applied[now.applies])) {
@@ -141,7 +141,7 @@ bool FitSession::redo() {
     return true;
 }
 
-/// An end at a vertex that is not there is left out.
+/// Sets the pairs, without ends at vertices that do not exist.
 void FitSession::setPairs(std::vector<FitPair> pairs) {
     now.pairs = std::move(pairs);
     const auto &vertices = layer.cm.vert;
@@ -155,7 +155,7 @@ void FitSession::setPairs(std::vector<FitPair> pairs) {
 std::vector<vcg::fcd::Landmark> FitSession::landmarks() const {
     std::vector<vcg::fcd::Landmark> landmarks;
     for (const FitPair &each : now.pairs)
-        if (each.slot && each.place) // the filter reads places into the layer's own units
+        if (each.slot && each.place) // rounded as by the filter, which stores places in layer units
             landmarks.push_back({*each.slot, rest.world() * (rest.world().inverse() * *each.place)});
     return landmarks;
 }
@@ -168,8 +168,8 @@ FitStart FitSession::start(bool byLandmarksOnly) const {
         std::vector<Eigen::Vector3d> places;
         for (const vcg::fcd::Landmark &each : landmarks())
             places.emplace_back(rest.world() * rest.at(each.vertex));
-        // Near a line, how far it turns about that is what clicks are off by: about a hundredth of the length, which
-        // is six degrees at a tenth of it.
+        // If landmarks are nearly on a line, errors of clicks decide the turn about it. They are about a hundredth of
+        // the length: six degrees at a tenth of the length across.
         const double leastAcross = 0.1;
         if (!(vcg::fcd::AcrossALine(places) > leastAcross))
             return FitStart::AsItLies;
@@ -184,7 +184,7 @@ FitMeshParam FitSession::paramFor(const MeshModel &target, bool landmarksOnly) c
     param.landmarks = landmarks();
     param.landmarksOnly = landmarksOnly;
     param.fit.linear = hasDirections;
-    param.fit.smoothness = asTyped(param.fit.smoothness); // as a host hands it over to a filter
+    param.fit.smoothness = asTyped(param.fit.smoothness); // in the precision that filters get
     param.fit.start = start(landmarksOnly);
     if (!landmarksOnly) {
         param.fit.stiffness = asTyped(now.options.stiffness);
@@ -203,7 +203,7 @@ std::shared_ptr<const LayerFit> FitSession::beginPreparing() const {
         return nullptr;
     FitMeshParam param = paramFor(layer, true);
     param.target = nullptr;
-    param.fit.judgesLandmarks = false; // it is to follow them at once
+    param.fit.judgesLandmarks = false; // takes too long for a drag
     return std::make_shared<const LayerFit>(document, layer, param, Remark(), vcg::fcd::Progress(),
                                             rest.positions().data(), rest.normals().data());
 }
@@ -259,7 +259,7 @@ void FitSession::showPulled() {
     know(FitShape::Pulled, true);
 }
 
-/// The layer has been given a shape.
+/// Call after the layer has got a shape.
 void FitSession::know(FitShape shape, bool full) {
     if (full && layer.cm.fn > 0)
         computeBoxAndNormals(layer.cm);

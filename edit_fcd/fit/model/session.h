@@ -14,20 +14,20 @@
 #include <string>
 #include <vector>
 
-/// Weights that a brush has painted, one per vertex slot; empty: none were.
+/// Weights for a fit, one per vertex slot, [0, 1]; empty: 1 everywhere, or not painted.
 using FitWeights = std::vector<float>;
 
-/// Weights of layers, by the layer's number. A layer that is not in it is as it is.
+/// Painted weights of layers, by number. Other layers were not painted.
 using PaintedLayers = std::map<int, std::shared_ptr<const FitWeights>>;
 
 /// What is undone and redone.
 struct FitState {
     std::vector<FitPair> pairs;
     FitOptions options;
-    std::shared_ptr<const FitLines> lines; ///< that lead it when it is pulled; null: none
+    std::shared_ptr<const FitLines> lines; ///< curves for the pull; null: none
     PaintedLayers painted;
     FitShape shape = FitShape::Rest;
-    std::size_t applies = 0; ///< in place, since the session began: each made its shape the rest shape
+    std::size_t applies = 0; ///< number of applies in place since the session began
 
     bool operator==(const FitState &other) const {
         return pairs == other.pairs && options == other.options && lines == other.lines && painted == other.painted &&
@@ -35,93 +35,91 @@ struct FitState {
     }
 };
 
-/// A layer while it is fitted to another one: its rest shape, the pairs of landmarks, and the shape that they, or the
-/// target, give it. Knows nothing of mouse and screen. The layer shows that shape while this is there; restore() ends
-/// that.
+/// A layer while it is fitted to another one: its rest shape, the pairs of landmarks, and the shape by landmarks or by
+/// the target, which the layer shows until restore(). It knows neither mouse nor screen.
 class FitSession {
   public:
-    /// The present shape of \p layer becomes the rest shape. \throw vcg::fcd::Error tags that make no sense, or a
-    /// matrix without an inverse
+    /// The present shape of \p layer becomes the rest shape. \throw vcg::fcd::Error invalid tags, or a matrix without
+    /// an inverse
     FitSession(MeshDocument &document, MeshModel &layer);
     FitSession(const FitSession &) = delete;
     FitSession &operator=(const FitSession &) = delete;
 
-    /// Whether the layer is where this has left it, with the positions and normals that it got here.
+    /// Whether the layer has the matrix, positions and normals that it got here.
     bool isUpToDate() const;
     const FitState &state() const { return now; }
-    FitState &edit() { return now; } ///< the pairs with the functions of pairs.h; paint with those below
-    /// Takes up the state of an earlier session of the layer, its pairs alone where that was of other shapes; and the
-    /// pairs, options and curves that the layer keeps, and the fit that it shows, where they are not those that this
-    /// has left with it: undo takes the fit back, and then the others. \param before may be null
-    /// \return what is wrong with the file of the curves, which are left out then; or empty
+    FitState &edit() { return now; } ///< change pairs with the functions of pairs.h, weights with those below
+    /// Takes over the state of an earlier session of the layer; if that had another rest shape, only its pairs. Then
+    /// takes what something else has stored with the layer: pairs, options, curves, and the shown fit. Undo first takes
+    /// back the fit, then the others. \param before may be null \return an error in the file of curves, which are left
+    /// out then; or empty
     std::string goOn(const FitSession *before);
-    /// The layer keeps these, for another session and for files; the fit once it is left.
-    /// \param target that is shown, or null
+    /// Stores pairs, options and curves with the layer, for later sessions and files; after leave() also the fit.
+    /// \param target the shown one, or null
     void keep(const MeshModel *target);
-    std::string targetName; ///< of the layer that this one is fitted to, as a person chose it; empty: the first other
+    std::string targetName; ///< of the target layer, as the user chose it; empty: the first other layer
     const RestGuard &restShape() const { return rest; }
-    Eigen::Vector3d positionOf(std::size_t slot) const; ///< of a vertex, as it is shown; world
+    Eigen::Vector3d positionOf(std::size_t slot) const; ///< of a vertex, as shown; world
 
     // --- changes; each begins with change(), which undo() takes back ---
 
     void change() { history.begin(now); }
-    bool undo(); ///< \return whether there was something
+    bool undo(); ///< \return whether something was undone
     bool redo();
 
-    // --- what counts, as a brush paints it; a stroke is one change ---
+    // --- painted weights; a stroke is one change ---
 
-    /// How much each vertex of this layer, or of the target, counts when it is pulled; empty: all counts.
-    /// \throw vcg::fcd::Error they have no such weights
+    /// The weights of this layer's vertices, or of the target's, in a pull; empty: 1 everywhere. \throw vcg::fcd::Error
+    /// the layer lacks the chosen weights
     FitWeights weightsOf(const MeshModel &of) const;
-    /// A stroke begins, from what counts so far.
+    /// Begins a stroke, from the present weights.
     void beginStroke(MeshModel &on);
-    /// Vertices of the layer of the stroke count as much from now on. \param weight 0 is carried along, 1 counts
+    /// Sets weights on the stroke's layer. \param weight 0: carried along, 1: counts
     void paint(const std::vector<std::size_t> &vertices, float weight);
-    /// The stroke is what its layer is painted with, and the options say so. \return whether it has painted anything
+    /// Ends the stroke: its layer has these weights, and the options use them. \return whether any weight has changed
     bool endStroke();
 
     // --- the shape ---
 
-    /// What prepares the layer to follow its landmarks, to be run beside the window; then finishPreparing(). Null where
-    /// follow() needs no preparing.
+    /// The work that prepares follow(), for the background; then call finishPreparing(). Null if follow() needs none.
     std::shared_ptr<const LayerFit> beginPreparing() const;
     void finishPreparing(std::shared_ptr<const LayerFit> fit, std::shared_ptr<const vcg::fcd::Fitter> fitter);
-    /// Shows the surface as it follows its landmarks; at rest where there are none. \pre it is prepared
-    /// \param full with the normals of faces and the bounding box \throw vcg::fcd::Error
+    /// Shows the surface as it follows the landmarks; without any, at rest. \pre it is prepared \param full with
+    /// normals of faces and the bounding box \throw vcg::fcd::Error
     void follow(bool full);
 
-    /// What pulls the layer onto \p target, to be run beside the window; then finishPull(). \throw vcg::fcd::Error
+    /// The work that pulls the layer onto \p target, for the background; then call finishPull(). \throw vcg::fcd::Error
     std::shared_ptr<LayerFit> beginPull(const MeshModel &target);
     void finishPull(const MeshModel &target, std::shared_ptr<const FittedSurface> fitted);
-    /// The last pull, if it is that of the present state; else null.
+    /// The last pull, if it is of the present state; else null.
     const FittedSurface *pulled(const MeshModel &target) const;
     void showPulled();
 
-    /// The rest shape, to the bit.
+    /// Restores the rest shape, to the bit.
     void restore();
 
-    // --- what stays ---
+    // --- keeping the fit ---
 
-    /// The layer keeps the shape that it shows. It stays a pose of the rest shape, which FCD: Reset Pose gives back,
-    /// and the session goes on if the layer isUpToDate(). \return false: it was at rest, or has kept the shape before
+    /// Leaves the layer in the shown shape. It stays a pose of the rest shape, which FCD: Reset Pose restores, and the
+    /// session continues if the layer isUpToDate(). \return false: it was at rest, or was left in this shape before
     bool leave();
-    /// Whether the layer has the shape that leave(), here or before, has left it.
+    /// Whether the layer has the shape of leave(), in this session or before.
     bool isAsLeft() const { return isLeft; }
-    /// \throw vcg::fcd::Error nothing is fitted that could be applied
+    /// \throw vcg::fcd::Error no fit is shown that could be applied
     void expectFitted(const MeshModel &target) const;
-    /// The layer keeps the shape that it shows, which is its rest shape from now on. \return the filter call that makes
-    /// the same in a new layer \throw vcg::fcd::Error nothing is fitted
+    /// Makes the shown shape the layer's rest shape. \return the filter call that makes the same in a new layer
+    /// \throw vcg::fcd::Error nothing is fitted
     std::string applyInPlace(const MeshModel &target);
-    /// The layer is at rest, and new layers have the shape; one of them is the current layer. \return the filter call
+    /// Resets the layer, and adds layers with the shape; one of them becomes the current layer. \return the filter call
     std::string applyToNewLayer(const MeshModel &target, bool graphLayers, const Remark &remark);
 
   private:
-    /// What is being painted.
+    /// A stroke of the brush.
     struct Stroke {
         int layer;          ///< number
-        FitWeights before;  ///< as they were painted then
-        FitWeights weights; ///< by which the layer counts now
-        bool isPainted;     ///< whether these are others than when it began
+        FitWeights before;  ///< as painted before
+        FitWeights weights; ///< now
+        bool isPainted;     ///< whether any weight has changed
     };
 
     void keepRest();
@@ -141,26 +139,26 @@ class FitSession {
     MeshDocument &document;
     MeshModel &layer;
     RestGuard rest;
-    std::uint64_t shapeAtRest = 0;   ///< as shapeOf tells it
-    bool isLeft = false;             ///< the layer has what leave() gave it
-    FitShape shown = FitShape::Rest; ///< by the layer
+    std::uint64_t shapeAtRest = 0;   ///< shapeOf the layer at rest
+    bool isLeft = false;             ///< the layer has the shape of leave()
+    FitShape shown = FitShape::Rest; ///< the shape that the layer shows
     bool isFree = true;              ///< nothing is fixed, and there is no handle
-    bool hasDirections = false;      ///< as FitParam::linear
+    bool hasDirections = false;      ///< for FitParam::linear
 
     FitState now;
     std::optional<Stroke> stroke;
-    std::shared_ptr<const FitToolState> kept; ///< that the layer got here, or that was taken from it
-    History<FitState> history{64};            // each may hold weights of its own
+    std::shared_ptr<const FitToolState> kept; ///< as stored with the layer, or taken from it
+    History<FitState> history{64};            // each state may have its own weights
     std::vector<std::uint64_t> applied;       ///< the rest shape before each apply
 
     std::shared_ptr<const LayerFit> followFit; ///< which followFitter needs
     std::shared_ptr<const vcg::fcd::Fitter> followFitter;
     vcg::fcd::FitStart followStart = vcg::fcd::FitStart::AsItLies;
 
-    std::shared_ptr<const FittedSurface> lastPull, shownPull; ///< that the layer shows; null: it shows none
+    std::shared_ptr<const FittedSurface> lastPull, shownPull; ///< null: none; the layer shows none
     FitState pulledFrom;
-    FitWeights pulledWeights; ///< as weightsFor
-    int pulledOnto = -1;      ///< number of the layer
+    FitWeights pulledWeights; ///< weightsFor() the last pull
+    int pulledOnto = -1;      ///< number of its target layer
 };
 
 #endif

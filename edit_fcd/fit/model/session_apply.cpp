@@ -6,7 +6,7 @@
 #include <layer_fcd/marks.h>
 #include <layer_fcd/tag_sources.h>
 
-// What stays of a fit.
+// Leaving and applying a fit.
 
 using vcg::fcd::Error;
 
@@ -37,7 +37,7 @@ std::string FitSession::filterCall(const MeshModel &target, bool graphLayers) co
     if (now.lines && !param.landmarksOnly)
         call.with("curves_file", now.lines->file);
     if (mayHaveTags(layer) && !hasTags(layer))
-        call.with("handles", 4); // none
+        call.with("handles", 4); // 4: none
     call.with("landmarks_only", param.landmarksOnly, false)
         .with("start", int(param.fit.start), int(defaults.fit.start))
         .with("stiffness", stiffness, Scalarm(defaults.fit.stiffness));
@@ -80,7 +80,7 @@ std::string FitSession::applyInPlace(const MeshModel &target) {
     poseFitted(document, layer, *fitted);
     ++now.applies;
     now.shape = FitShape::Rest;
-    now.lines = nullptr; // they are of the shape before
+    now.lines = nullptr; // they belong to the shape before
     keepRest();
     return call;
 }

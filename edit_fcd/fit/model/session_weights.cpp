@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <utility>
 
-// What counts when the layer is pulled.
+// The weights of a pull.
 
-/// Those of the layer and then those of the target. They change with the quality or the selection.
+/// The weights of the layer, then those of the target. They may depend on quality or selection.
 FitWeights FitSession::weightsFor(const MeshModel &target) const {
     FitWeights all = weightsOf(layer);
     const FitWeights its = weightsOf(target);
@@ -19,12 +19,12 @@ FitWeights FitSession::weightsFor(const MeshModel &target) const {
 bool FitSession::hasPulledWeights(const MeshModel &target) const {
     try {
         return pulledWeights == weightsFor(target);
-    } catch (const vcg::fcd::Error &) { // something has taken them away
+    } catch (const vcg::fcd::Error &) { // the weights are gone
         return false;
     }
 }
 
-/// Layers get the weights of the present state, where those of another one differ.
+/// Gives layers the painted weights of the present state, if those of \p from differ.
 void FitSession::showPainted(const FitState &from) {
     for (const auto &[number, weights] : now.painted) {
         const auto before = from.painted.find(number);
@@ -50,7 +50,7 @@ void FitSession::beginStroke(MeshModel &on) {
     FitWeights weights = source == FitMeshParam::WeightsAttribute ? before : weightsOf(on);
     weights.resize(on.cm.vert.size(), 1);
     for (float &each : weights)
-        each = each >= 0 ? std::min(each, 1.f) : 0; // a quality may be anything
+        each = each >= 0 ? std::min(each, 1.f) : 0; // a quality may be out of range
     stroke = Stroke{on.id(), std::move(before), std::move(weights), false};
 }
 

@@ -4,7 +4,7 @@
 
 #include "edit_fcd/kit/action_table.h"
 
-/// What a key does in the view, or a button of the panel.
+/// The actions of keys in the view and of the panel's buttons.
 struct FitAction {
     enum Id {
         Undo,
@@ -21,7 +21,7 @@ struct FitAction {
         OtherBrush,
         ApplyInPlace,
         ApplyToNew,
-        Load, // from here on without a key
+        Load, // this and later ones have no key
         Save,
         Clear,
         LoadCurves,

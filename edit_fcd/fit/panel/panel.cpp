@@ -16,7 +16,7 @@
 
 namespace {
 
-// The slider has hundredths of a power of ten.
+// The slider is logarithmic: 100 steps are a factor of 10.
 double stiffnessAt(int place) { return std::pow(10, place / 100.0); }
 int placeOf(double stiffness) { return int(std::lround(100 * std::log10(stiffness))); }
 
@@ -72,7 +72,7 @@ void FitPanel::addLayers(QBoxLayout &column) {
 }
 
 void FitPanel::addPairs(QBoxLayout &column) {
-    const int height = 88; // three pairs; so all of the panel fits 768 pixels
+    const int height = 88; // three pairs: the whole panel fits 768 pixels
     list = new CellList({{"Pair", "Click selects, double click: its name", 0},
                          {"this", "Whether its place on this layer is given", 44},
                          {"target", "Whether its place on the target is given", 52},

@@ -17,19 +17,19 @@
 #include <QPushButton>
 #include <QSlider>
 
-/// The panel of the tool FCD: Fit: shows and sets, and decides nothing.
+/// The panel of the tool FCD: Fit. It shows and sets values, and decides nothing.
 class FitPanel : public ToolPanel {
     Q_OBJECT
 
   public:
-    /// Which layers are seen: the one whose turn it is to be clicked, or as chosen.
+    /// Which layers are visible: the one to be clicked next, or as chosen.
     enum Seen { InTurn, Both, Source, Target };
-    /// What a press on a layer does: it places an end of a pair, or paints what counts, or what is carried along.
+    /// What a press on a layer does: places an end of a pair, paints weight 1 (counts), or weight 0 (carried along).
     enum Brush { Pairs, Counts, Carried };
 
     explicit FitPanel(QWidget *parent);
 
-    /// Shows the layers that there are to fit onto. \param chosen one of their numbers, or -1
+    /// Offers target layers. \param chosen one of their numbers, or -1
     void showTargets(const std::vector<std::pair<int, QString>> &layers, int chosen);
     int target() const; ///< number of a layer, -1: none
     Seen seen() const { return Seen(seenButtons->checkedId()); }
@@ -42,16 +42,16 @@ class FitPanel : public ToolPanel {
     void showOptions(const FitOptions &options);
     FitShape shape() const { return FitShape(shapes->checkedId()); }
     void showShape(FitShape shape) { shapes->button(int(shape))->setChecked(true); }
-    /// \param file with the curves, or empty: none
+    /// \param file with the curves; empty: none
     void showCurves(const QString &file);
     bool showsDistance() const { return distance->isChecked(); }
     bool graphLayers() const { return graphs->isChecked(); }
 
-    /// \param most the distance that is red, 0: none is shown
+    /// \param most the distance that is red; 0: no colours are shown
     void showLegend(double most);
-    /// \param percent of work that goes on, -1: none does
+    /// \param percent of the running work; -1: none runs
     void showProgress(int percent);
-    /// \param selected one of them, -1: none
+    /// \param selected row, -1: none
     void showPairs(const std::vector<FitPair> &pairs, int selected);
 
   signals:

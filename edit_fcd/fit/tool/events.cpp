@@ -5,7 +5,7 @@
 
 #include <QFileDialog>
 
-// Mouse, keys, and what the panel is told.
+// Events of mouse, keys and panel.
 
 using vcg::fcd::Error;
 
@@ -29,7 +29,7 @@ void FitTool::press(QMouseEvent *event) {
             return;
         }
     }
-    isClick = plain && !isPainting(); // unless the mouse moves before it is released: then it is the camera's
+    isClick = plain && !isPainting(); // if the mouse moves before the release, it moves the camera
     isCamera = true;
     toCamera(*view, event);
 }
@@ -45,7 +45,7 @@ void FitTool::move(QMouseEvent *event) {
     } else if (dragged || stroke) {
         requestStep();
     } else if (isPainting()) {
-        view->update(); // the brush is drawn there
+        view->update(); // draws the brush
     }
 }
 
@@ -73,7 +73,7 @@ void FitTool::release(QMouseEvent *event) {
     refresh();
 }
 
-/// Gives one end of a pair the place that is seen there. \return whether there is one \throw vcg::fcd::Error
+/// Puts an end of a pair at the place under the mouse. \return whether there is one \throw vcg::fcd::Error
 bool FitTool::place(bool isTarget) {
     const Eigen::Vector2d window = windowOfMouse().head<2>();
     const MeshModel &on = isTarget ? expectedTarget() : *model;
@@ -94,7 +94,7 @@ bool FitTool::place(bool isTarget) {
     return true;
 }
 
-/// A place for the layer whose turn it is.
+/// Puts an end on the layer whose turn it is.
 void FitTool::click() {
     const bool isTarget = isTurnOfTarget();
     if (!isTarget)
@@ -107,14 +107,14 @@ void FitTool::click() {
     showLayers();
 }
 
-/// The layer is as the pairs that there are now take it, or pulled.
+/// Shows the shape after a change of pairs.
 void FitTool::showPairs() {
     if (session->state().shape == FitShape::Rest)
         session->edit().shape = FitShape::Landmarks;
     reshape(true);
 }
 
-/// A step of a drag. Where it cannot go, that is told once the drag ends.
+/// A step of a drag. Errors are shown once the drag ends.
 void FitTool::step() {
     try {
         if (stroke)
@@ -127,7 +127,7 @@ void FitTool::step() {
     }
 }
 
-/// The end that is dragged is where the mouse is; beside its layer, it stays where it was.
+/// Moves the dragged end to the mouse; beside its layer, it stays.
 void FitTool::dragTo() {
     if (!dragged || !layer())
         return;
@@ -146,17 +146,17 @@ bool FitTool::takesEvent(QEvent &event) {
     if (!session || view->suspendedEditor)
         return false;
     if (event.type() == QEvent::Enter)
-        view->setFocus();                           // keys belong to what is under the mouse
+        view->setFocus();                           // keys go to what is under the mouse
     if (event.type() == QEvent::ShortcutOverride) { // before the host's shortcuts
         const ActionTable::Row *key = fitActions().of(static_cast<QKeyEvent &>(event));
-        if (key && (key->action != FitAction::Cancel || work)) { // Esc is the host's where there is nothing to cancel
+        if (key && (key->action != FitAction::Cancel || work)) { // the host gets Esc if there is nothing to cancel
             event.accept();
             return true;
         }
     }
     if (event.type() != QEvent::MouseButtonDblClick)
         return false;
-    guarded([&] { press(static_cast<QMouseEvent *>(&event)); }); // two clicks, and not the host's
+    guarded([&] { press(static_cast<QMouseEvent *>(&event)); }); // counts as two clicks, and does not reach the host
     return true;
 }
 
@@ -177,7 +177,7 @@ void FitTool::pressKey(QKeyEvent *event) {
 
 // --- the panel ---
 
-/// The surface follows the slider once it rests for a moment.
+/// Takes the options. The surface follows once the slider rests for a moment.
 void FitTool::onOptions() {
     if (!isReady())
         return;
@@ -188,9 +188,9 @@ void FitTool::onOptions() {
         optionsTimer.start(150);
 }
 
-/// What a key or a button asks for.
+/// Does the action of a key or a button.
 void FitTool::act(int action) {
-    switch (action) { // what the layer need not be there for
+    switch (action) { // actions that need no layer
     case FitAction::Cancel: cancelPull(); return;
     case FitAction::InTurn:
     case FitAction::Both:
@@ -301,7 +301,7 @@ void FitTool::apply(bool inPlace) {
     const MeshModel &onto = expectedTarget();
     const auto tell = [this](const std::string &call) { say("In a script: " + call); };
     session->expectFitted(onto);
-    stopWork(); // that would go on with the shape before
+    stopWork(); // it belongs to the shape before
     session->change();
     if (inPlace) {
         const bool hadCurves = session->state().lines != nullptr;
@@ -312,7 +312,7 @@ void FitTool::apply(bool inPlace) {
         showColors();
         return;
     }
-    wasVisible.erase(layerId); // the new layer is seen in its place
+    wasVisible.erase(layerId); // the new layer is shown in its place
     const Remark remark = [this](const std::string &line) { say(line); };
     applyToNewLayer([&] { tell(session->applyToNewLayer(onto, panel->graphLayers(), remark)); }, false);
 }

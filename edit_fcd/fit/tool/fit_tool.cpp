@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-// What the tool shows: which layers, and the shape that it gives the one.
+// What the tool shows: layers, and the shape of the fitted one.
 
 FitTool::FitTool(QAction *action) : LayerTool(action) {
     every(progressTimer, [this] { refresh(); });
@@ -20,7 +20,7 @@ void FitTool::showHint() {
 
 // --- what is seen ---
 
-/// Whether the pair that was begun last waits for its place on the target.
+/// Whether the last pair lacks its place on the target.
 bool FitTool::isTurnOfTarget() const {
     return session && !session->state().pairs.empty() && !session->state().pairs.back().place;
 }
@@ -110,7 +110,8 @@ QString FitTool::stateText() const {
         return text + (isFollowWanted ? "<br>Preparing the layer ..." : "<br>Pulling ...");
     if (const FittedSurface *fitted = session->pulled(*target()))
         text += QString("<br>%1 % lie on the target, off by %2 (rms)%3.")
-                    .arg(std::floor(1000 * fitted->report.matched) / 10, 0, 'g', 3) // 100 % is all of it
+                    .arg(std::floor(1000 * fitted->report.matched) / 10, 0, 'g',
+                         3) // rounded down: 100 % only if all matched
                     .arg(fitted->report.rms, 0, 'g', 2)
                     .arg(fitted->curves.curve.empty()
                              ? QString()
@@ -131,7 +132,7 @@ void FitTool::refresh() {
     panel->showPairs(session->state().pairs, selected);
 }
 
-// --- work beside the window ---
+// --- work in the background ---
 
 void FitTool::begin(JobRunner::Work what, std::function<void()> done) {
     stopWork();
@@ -141,7 +142,7 @@ void FitTool::begin(JobRunner::Work what, std::function<void()> done) {
             try {
                 if (thrown)
                     std::rethrow_exception(thrown);
-                done();                             // which may begin other work
+                done();                             // it may begin other work
             } catch (const vcg::fcd::Cancelled &) { // nothing has changed
             }
         });
@@ -159,7 +160,7 @@ void FitTool::stopWork() {
 
 // --- the shape ---
 
-/// Shows the shape that the state tells. \param full otherwise in the midst of a drag
+/// Shows the shape of the state. \param full false: during a drag
 void FitTool::reshape(bool full) {
     if (!layer())
         return;
@@ -193,11 +194,11 @@ void FitTool::whenPulled(const std::shared_ptr<const LayerFit> &fit, const std::
         return;
     session->finishPull(*target(),
                         std::shared_ptr<const FittedSurface>(
-                            fitted.get(), [fit, fitted](const FittedSurface *) {})); // with what it refers to
+                            fitted.get(), [fit, fitted](const FittedSurface *) {})); // keeps alive what it refers to
     session->showPulled();
     showVertices(true);
     showColors();
-    if (fitted->report.matched < 0.3) // then most of the shape is a guess
+    if (fitted->report.matched < 0.3) // most of the shape is a guess
         say("Only a small part of the layer has a counterpart on the target: place pairs first, or raise the largest "
             "distance.",
             true);

@@ -19,8 +19,8 @@
 #include <QPointer>
 #include <QTimer>
 
-/// FCD: Fit: turns mouse and keys in a view, and what the panel is told, into pairs of landmarks and the shape of a
-/// FitSession, and shows it.
+/// The tool FCD: Fit. Turns mouse, keys and the panel's signals into the pairs and the shape of a FitSession, and shows
+/// it.
 class FitTool : public LayerTool {
     Q_OBJECT
 
@@ -43,8 +43,8 @@ class FitTool : public LayerTool {
     void forgetDocument() override { left.clear(); }
     void step() override;
 
-    MeshModel *layer() const;  ///< null when it is gone, or has become another mesh
-    MeshModel *target() const; ///< null when there is none
+    MeshModel *layer() const;  ///< null if it is gone, or has become another mesh
+    MeshModel *target() const; ///< null if there is none
     MeshModel &expectedTarget() const;
     void open(MeshModel &model);
     void takeTarget(const MeshModel &fitted);
@@ -96,18 +96,18 @@ class FitTool : public LayerTool {
     QPointer<FitPanel> panel;
     int targetId = -1;
     std::unique_ptr<FitSession> session;
-    std::map<int, std::unique_ptr<FitSession>> left; ///< of other layers of the document, by their number
-    std::map<int, bool> wasVisible;                  ///< of the layers that are shown or hidden here, by their number
+    std::map<int, std::unique_ptr<FitSession>> left; ///< sessions of other layers, by their number
+    std::map<int, bool> wasVisible;                  ///< of layers that the tool shows or hides, by their number
 
     QPointF pressed;
     std::optional<FitEnd> dragged;
     std::optional<WeightBrush> stroke;
-    FitPanel::Brush lastBrush = FitPanel::Carried; ///< of the two that paint
+    FitPanel::Brush lastBrush = FitPanel::Carried; ///< the last one that paints
     std::unique_ptr<LayerOverlay> targetOverlay;
     int selected = -1; ///< pair
     bool isClick = false;
     JobRunner work{this};
-    bool isFollowWanted = false; ///< once the layer is prepared
+    bool isFollowWanted = false; ///< follow() once the layer is prepared
     QTimer progressTimer, optionsTimer;
 };
 

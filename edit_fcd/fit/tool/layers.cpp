@@ -4,7 +4,7 @@
 #include <layer_fcd/layer_labels.h>
 #include <layer_fcd/session_file.h>
 
-// Which layer the tool works on, from when to when, and what its panel does.
+// Begins and ends work on a layer, and makes the panel.
 
 using vcg::fcd::Error;
 
@@ -45,7 +45,7 @@ bool FitTool::start(MeshDocument &newDocument, GLArea *area) {
     return true;
 }
 
-/// Begins with a layer, or goes on where it was left.
+/// Begins with a layer, or continues where it was left.
 void FitTool::open(MeshModel &newModel) {
     std::unique_ptr<FitSession> before;
     if (const auto found = left.find(newModel.id()); found != left.end()) {
@@ -67,7 +67,7 @@ void FitTool::open(MeshModel &newModel) {
     later([this] { pullAsLeft(); });
 }
 
-/// A layer that another run has pulled is pulled again, for what its shape does not tell: how near the target is.
+/// Pulls a layer again that was left pulled in another run, to know its distances from the target.
 void FitTool::pullAsLeft() {
     const MeshModel *onto = layer() ? target() : nullptr;
     if (onto && onto->label().toStdString() == session->targetName && session->isAsLeft() &&
@@ -75,7 +75,7 @@ void FitTool::pullAsLeft() {
         reshape(true);
 }
 
-/// The target of a layer that was fitted before, by its name: another document may number it otherwise.
+/// Finds the target of a layer that was fitted before by its name, since numbers differ in other documents.
 void FitTool::takeTarget(const MeshModel &fitted) {
     const std::string &name = session->targetName;
     const MeshModel *known = view->md()->getMesh(targetId);
@@ -91,7 +91,7 @@ void FitTool::takeTarget(const MeshModel &fitted) {
 
 void FitTool::changeLayer(MeshDocument &document, GLArea *area) {
     if (isEnding || (document.mm() && document.mm()->id() == layerId && layer())) {
-        showTargets(); // another one may have come or gone
+        showTargets(); // layers may have changed
         return;
     }
     close();
@@ -108,10 +108,10 @@ void FitTool::keepShown() {
     session->keep(target());
 }
 
-/// Undo leads back to what was known before.
+/// Takes a session from a file, as a change that undo takes back.
 SessionContents FitTool::takeSession(const QString &file) {
     stopWork();
-    session->restore(); // a session is of that shape, or of its own
+    session->restore(); // a saved session begins from the rest shape
     SessionContents contents;
     try {
         contents = loadSession(*document, *model, file);
@@ -132,7 +132,8 @@ SessionContents FitTool::takeSession(const QString &file) {
     return contents;
 }
 
-/// What the layer shows is what it is, whatever comes next; what something else has made of it stays, too.
+/// Leaves the layer in the shown shape, and keeps the session for later. If something else changed the layer, that
+/// stays.
 void FitTool::leave() {
     if (!layer())
         return;
@@ -162,7 +163,6 @@ void FitTool::close() {
     panel = nullptr;
 }
 
-/// Whether there is a layer to work on; begins anew with one that something else has changed.
 bool FitTool::isReady() {
     if (!layer())
         return false;
@@ -199,7 +199,7 @@ void FitTool::makePanel() {
     when(panel.data(), &FitPanel::optionsChanged, [this] { onOptions(); });
     when(panel.data(), &FitPanel::distanceToggled, [this] {
         if (panel->showsDistance() && panel->seen() != FitPanel::Source)
-            setSeen(FitPanel::Source); // the target lies in it
+            setSeen(FitPanel::Source); // the target would cover it
         showColors();
     });
     when(panel.data(), &FitPanel::command, [this](int which) {
@@ -212,13 +212,13 @@ void FitTool::makePanel() {
         view->update();
     });
     when(panel.data(), &FitPanel::pairRenamed, [this](int row, const QString &name) {
-        later([this] { refresh(); }); // not in the midst of the list's own events
+        later([this] { refresh(); }); // after the list's own events
         if (!isReady())
             return;
         session->change();
         std::vector<FitPair> &pairs = session->edit().pairs;
         if (const std::string given = name.trimmed().toStdString(); !given.empty() && row < int(pairs.size()))
-            pairs[std::size_t(row)].name = given; // it may be gone while its name is edited
+            pairs[std::size_t(row)].name = given; // the pair may be gone meanwhile
     });
     when(panel.data(), &FitPanel::pairRemoved, [this](int row) {
         selected = row;
@@ -232,7 +232,7 @@ void FitTool::makePanel() {
     dockPanel(*view, *panel);
 }
 
-/// The layers that there are, with the one of before, or else the first.
+/// Offers the other layers as targets, and chooses the one of before, or else the first.
 void FitTool::showTargets() {
     if (!panel || !view || !view->md())
         return;

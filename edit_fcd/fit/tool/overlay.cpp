@@ -19,7 +19,7 @@ void drawEnd(const Eigen::Vector3d &p, const GLubyte *color, bool isSelected) {
     }
 }
 
-/// Over all that is drawn, with round points.
+/// Draws over all else, with round points.
 class PairDrawing : public FlatDrawing {
   public:
     PairDrawing() {
@@ -75,7 +75,7 @@ void drawCurves(const FitSession &session, const FitMarks &marks) {
     for (std::size_t c = 0; c < lines->curves.size(); ++c) {
         std::vector<Eigen::Vector3d> source;
         source.reserve(lines->curves[c].source.size());
-        for (std::size_t k = 0; k < lines->curves[c].source.size(); ++k) { // it goes with the vertex nearest to it
+        for (std::size_t k = 0; k < lines->curves[c].source.size(); ++k) { // moves with its nearest vertex
             const std::size_t slot = lines->nearest[c][k];
             source.emplace_back(lines->curves[c].source[k] + session.positionOf(slot) - rest.world() * rest.at(slot));
         }

@@ -5,7 +5,7 @@
 #include "edit_fcd/view/camera.h" // before Qt
 #include "edit_fcd/fit/model/session.h"
 
-/// What of the pairs is drawn.
+/// Which marks of pairs are drawn.
 struct FitMarks {
     bool showsSource = true, showsTarget = true;
     int selected = -1; ///< pair, -1: none
@@ -17,14 +17,14 @@ struct FitEnd {
     bool isTarget = false;
 };
 
-/// The end of a pair that is drawn at a place of the window; of two at one place, that on the target.
+/// The end of a pair at a place of the window; of two ends, that on the target.
 std::optional<FitEnd> endAt(const FitSession &session, const FitMarks &marks, const Camera &view,
                             const Eigen::Vector2d &window);
 
-/// Draws the curves over what is there, in the colours of the pairs, which come over them.
+/// Draws the curves over all else, in the colours of the pairs. Draw the pairs afterwards.
 void drawCurves(const FitSession &session, const FitMarks &marks);
 
-/// Draws the pairs over what is there: their ends on the layer blue, those on the target orange, and lines between.
+/// Draws the pairs over all else: ends on the layer blue, ends on the target orange, and lines between.
 void drawPairs(const FitSession &session, const FitMarks &marks);
 
 #endif

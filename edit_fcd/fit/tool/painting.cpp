@@ -6,19 +6,19 @@
 
 #include <algorithm>
 
-// The brush that paints what counts, and the colours over the layers.
+// The brush that paints weights, and the colours over the layers.
 
 void FitTool::setBrush(FitPanel::Brush which) {
     panel->setBrush(which);
     takeBrush();
 }
 
-/// The panel has another brush.
+/// Takes the panel's brush.
 void FitTool::takeBrush() {
     if (isPainting())
         lastBrush = panel->brush();
     if (isPainting() && panel->seen() == FitPanel::InTurn)
-        setSeen(FitPanel::Source); // no click changes whose turn it is
+        setSeen(FitPanel::Source); // while painting, layers do not take turns
     view->setMouseTracking(isPainting());
     showColors();
 }
@@ -32,7 +32,7 @@ void FitTool::turnWheel(QWheelEvent *event) {
     view->update();
 }
 
-/// Of the layers that are shown, the one in front.
+/// The front one of the visible layers under the mouse.
 MeshModel *FitTool::layerAtMouse() const {
     const FitMarks shown = marks();
     MeshModel *front = nullptr;
@@ -53,7 +53,7 @@ bool FitTool::beginStroke() {
     MeshModel *on = layerAtMouse();
     if (!on)
         return false;
-    stopWork(); // which would go on by other weights
+    stopWork(); // it has other weights
     stroke.emplace(*session, *on, panel->brush() == FitPanel::Counts ? 1.f : 0.f, *view, seen);
     strokeTo();
     return true;
@@ -84,16 +84,16 @@ void FitTool::endStroke() {
     panel->showOptions(session->state().options);
     showColors();
     if (session->state().shape == FitShape::Pulled)
-        reshape(true); // also where work was stopped
+        reshape(true); // also restarts stopped work
     refresh();
 }
 
-/// Shows what of a layer is carried along.
+/// Colours what is carried along.
 void FitTool::showCarried(const MeshModel &on) {
     std::vector<vcg::Color4b> colors;
     try {
         colors = colorsOfCarried(session->weightsOf(on));
-    } catch (const vcg::fcd::Error &) { // it has none, which a pull tells
+    } catch (const vcg::fcd::Error &) { // the layer lacks weights; a pull reports that
     }
     LayerOverlay &over = &on == model ? *overlay : *targetOverlay;
     if (colors.empty())
@@ -102,7 +102,7 @@ void FitTool::showCarried(const MeshModel &on) {
         over.show(on.cm, colors);
 }
 
-/// Shows what the brush has painted, or else distances from the target.
+/// Shows painted weights, or distances from the target.
 void FitTool::showColors() {
     if (!layer() || !panel)
         return;
@@ -118,7 +118,8 @@ void FitTool::showColors() {
     std::vector<vcg::Color4b> colors;
     const FittedSurface *fitted = panel->showsDistance() && target() && !dragged ? session->pulled(*target()) : nullptr;
     if (fitted) {
-        most = 3 * std::max(fitted->report.percentile95, 1e-6 * fitted->diagonal); // beyond, nothing is a counterpart
+        most =
+            3 * std::max(fitted->report.percentile95, 1e-6 * fitted->diagonal); // farther vertices have no counterpart
         for (std::size_t i = 0; i < fitted->distance.size(); ++i)
             colors.push_back(fitted->matched[i] ? colorOfDistance(fitted->distance[i] / most) : colorOfNoCounterpart());
     }

@@ -5,16 +5,16 @@
 #include "edit_fcd/fit/model/session.h"
 #include "edit_fcd/view/brush.h"
 
-/// A stroke of the brush that paints what counts in a fit, on the layer or on its target.
+/// A stroke of the brush that paints weights for a fit, on the layer or on its target.
 class WeightBrush {
   public:
-    /// A stroke begins. \param weight as FitSession::paint takes it
+    /// Begins the stroke. \param weight as of FitSession::paint
     WeightBrush(FitSession &session, MeshModel &on, float weight, GLArea &view, const Camera &seen);
     int layer() const { return layerId; } ///< its number
-    /// Paints what is seen within \p radius of the way of the mouse from where it was. \param on the layer
+    /// Paints the visible vertices within \p radius of the mouse's path since the last call. \param on the layer
     /// \param to pixels of the device
     void moveTo(const Eigen::Vector2d &to, double radius, const MeshModel &on, const Camera &seen);
-    /// \return whether anything has another weight
+    /// \return whether any weight has changed
     bool end() { return session.endStroke(); }
 
   private:
@@ -25,7 +25,7 @@ class WeightBrush {
     std::optional<Eigen::Vector2d> from;
 };
 
-/// The colours that show what of a layer is carried along, one per vertex slot; empty where all counts.
+/// Colours of vertices that are carried along, one per vertex slot; empty if all count.
 std::vector<vcg::Color4b> colorsOfCarried(const FitWeights &weights);
 
 #endif
