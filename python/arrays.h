@@ -13,7 +13,7 @@
 #include <memory>
 
 /// \file
-/// Arrays of numpy, as the extension takes and gives them: C-contiguous, never copied here.
+/// Arrays of numpy, as the extension takes and returns them: C-contiguous, never copied.
 
 namespace nb = nanobind;
 
@@ -24,7 +24,7 @@ using Rows = Given<double, nb::shape<-1, 3>>;
 using Corners = Given<std::uint32_t, nb::shape<-1, 3>>;
 using Written = nb::ndarray<double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 
-/// A new array of numpy that owns its memory, which is left open. \param data out
+/// A new array of numpy that owns its memory, without values. \param data out: its memory
 template <class T>
 nb::object newArray(std::initializer_list<std::size_t> shape, T *&data) {
     std::size_t n = 1;
@@ -36,7 +36,7 @@ nb::object newArray(std::initializer_list<std::size_t> shape, T *&data) {
     return nb::cast(nb::ndarray<nb::numpy, T>(data, shape.size(), shape.begin(), owner));
 }
 
-/// \throw value_error where an array has another number of rows than the surface that it is of
+/// \throw value_error an array has not as many rows as its surface has vertices
 template <class Array>
 void expectRows(const Array &rows, std::size_t count) {
     if (rows.shape(0) != count)
@@ -50,7 +50,7 @@ inline Eigen::Map<Eigen::Vector3d> rowOf(double *rows, std::size_t i) {
     return Eigen::Map<Eigen::Vector3d>(rows + 3 * i);
 }
 
-/// A normal after a map of points, in double, as long as it was; to the bit where the map is the identity.
+/// A normal turned by a map of points, in double, with its length kept. It keeps its bits if the map is the identity.
 inline Eigen::Vector3d turnedNormal(const Eigen::Matrix3f &map, const Eigen::Vector3d &before) {
     if (map == Eigen::Matrix3f::Identity())
         return before;

@@ -11,22 +11,22 @@
 #include <string>
 #include <vector>
 
-/// The way from a nominal part to what to make.
+/// A compensation: from a nominal part to the part to make.
 class Compensating {
   public:
-    /// \param param by name; see compensate in Python
+    /// \param param by name, as of compensate in Python
     Compensating(const Rows &vertices, const std::optional<Corners> &faces, const Rows &scan,
                  const std::optional<Corners> &scanFaces, const std::optional<Rows> &scanNormals, const nb::dict &param,
                  unsigned threads, const nb::object &report);
 
-    /// Of its state.
+    /// From state().
     explicit Compensating(const nb::bytes &state);
 
-    nb::bytes state() const; ///< for pickles, without what to make
+    nb::bytes state() const; ///< for pickles, without made()
     nb::dict told() const;
     std::vector<std::string> warnings() const { return way->report.Warnings(); }
-    nb::object made() const; ///< what to make, n x 3
-    /// What to make at points, or what comes out of that.
+    nb::object made() const; ///< the part to make, n x 3
+    /// Points of the part to make, for nominal \p points; or, if \p predicted, of the part that would come out.
     nb::object apply(const Rows &points, bool predicted, const nb::object &report) const;
 
   private:

@@ -13,10 +13,11 @@
 #include <string>
 #include <utility>
 
-/// A deformation that any number of threads may apply at a time.
+/// A deformation. Any number of threads may apply it at a time.
 class Field {
   public:
-    /// Of a file. \param threads that prepare it, 0 = one a core
+    /// From the content of a file. \param name of the file, for messages \param threads for the preparation, 0 = one a
+    /// core
     static std::unique_ptr<Field> read(const nb::bytes &content, const std::string &name, unsigned threads) {
         const std::string text(content.c_str(), content.size());
         const nb::gil_scoped_release release;
@@ -37,7 +38,7 @@ class Field {
     }
     std::size_t samples() const { return std::size_t(field.samples.Size()); }
 
-    /// NaN where it is not known.
+    /// World units; NaN if unknown.
     double largestDifference() const { return field.samples.largestDifference; }
 
     nb::object positions() const {
@@ -47,7 +48,7 @@ class Field {
         return rows;
     }
 
-    /// \return positions and, if there are \p normals, what these turn to, as long as they were
+    /// \return positions and, with \p normals, the turned ones, with their lengths kept; else None
     nb::tuple apply(const Rows &xyz, const std::optional<Rows> &normals, unsigned threads,
                     const nb::object &report) const {
         const std::size_t n = xyz.shape(0);
@@ -68,7 +69,7 @@ class Field {
         return nb::make_tuple(positions, others);
     }
 
-    /// How space turns and stretches there, n x 3 x 3.
+    /// The linear maps of space at points, n x 3 x 3.
     nb::object linear(const Rows &xyz, unsigned threads, const nb::object &report) const {
         const std::size_t n = xyz.shape(0);
         double *to;

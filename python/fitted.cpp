@@ -25,7 +25,7 @@ using vcg::fcd::Progress;
 
 namespace {
 
-/// \param given names and values of the parameters; all else is as the filter has it
+/// \param given parameters by name; others have the filter's defaults
 FitParam fitParamOf(const nb::dict &given) {
     FitParam param;
     param.start = vcg::fcd::FitStart(nb::cast<int>(given["start"]));
@@ -97,7 +97,7 @@ Fitting::Fitting(const Rows &vertices, const std::optional<Corners> &faces,
         }
         fitter =
             std::make_shared<const Fitter>(read.view, normalsOf(normals), handles, param, progress, weightsOf(weights));
-        return std::shared_ptr<const vcg::fcd::Deformer>(fitter, &fitter->Surface()); // lives as long as the fitter
+        return std::shared_ptr<const vcg::fcd::Deformer>(fitter, &fitter->Surface()); // shares the fitter's ownership
     };
     prepared = std::make_shared<Prepared>(vertices, faces, tags, param, threads, report, make);
 }
@@ -165,7 +165,7 @@ nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows 
     const vcg::fcd::Stopwatch watch;
     Listener::Run(report, prepared->threads, [&](const Progress &progress) {
         const std::vector<Landmark> landmarks = landmarksOf(points, places);
-        const Progress rest = progress.Slice(leaveOneOut ? 0.4 : 1, 1); // for the fits without one of them
+        const Progress rest = progress.Slice(leaveOneOut ? 0.4 : 1, 1); // for the fits without one landmark
         if (isAlone) {
             pose = fitter->Follow(landmarks, found, progress.Slice(0, leaveOneOut ? 0.4 : 1));
             if (leaveOneOut)

@@ -10,12 +10,12 @@
 #include <exception>
 #include <utility>
 
-/// Hands the progress of work to a callable of Python, and lets it be interrupted: by Ctrl-C, or by an exception of the
-/// callable. Both are looked for so often that one waits for neither.
+/// Reports the progress of work to a callable of Python, and lets Ctrl-C or an exception of the callable interrupt it,
+/// within about 30 ms.
 class Listener {
   public:
-    /// body(progress) without Python's lock. \param report called with percent and stage; None: nobody listens
-    /// \throw what \p report or a handler of signals has thrown
+    /// Calls body(progress) without Python's lock. \param report called with percent and stage; may be None \throw what
+    /// \p report or a handler of signals throws
     template <class Body>
     static void Run(const nanobind::object &report, unsigned threads, const Body &body) {
         Listener listener(report);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The extension of pymeshlab_fcd: the method on numpy's arrays. What is called here has been looked at in Python:
-// kinds, shapes, layout.
+// The extension of pymeshlab_fcd: the method on numpy's arrays. Python has checked the arguments: kinds, shapes,
+// layout.
 #include "compensated.h"
 #include "field.h"
 #include "fitted.h"
@@ -21,7 +21,7 @@
 
 namespace {
 
-/// Errors of the method as those of Python.
+/// Turns errors of the method into those of Python.
 void translate(const std::exception_ptr &thrown, void *) {
     try {
         std::rethrow_exception(thrown);
@@ -32,7 +32,7 @@ void translate(const std::exception_ptr &thrown, void *) {
     }
 }
 
-/// \param given names and values of the parameters
+/// \param given parameters by name
 vcg::fcd::DeformationParam paramOf(const nb::dict &given) {
     using namespace vcg::fcd;
     DeformationParam param;
@@ -43,11 +43,11 @@ vcg::fcd::DeformationParam paramOf(const nb::dict &given) {
     param.graph.randomSeed = nb::cast<unsigned>(given["seed"]);
     param.graph.measure = nb::cast<bool>(given["by_vertices"]) ? PatchMeasure::Vertices : PatchMeasure::Area;
     param.graphWeights = GraphWeights(whole("graph_weights"));
-    if (given.contains("falloff")) // which another mover than handles does not have, nor a pickle of before
+    if (given.contains("falloff")) // absent without handles, and in older pickles
         param.falloff = Falloff(whole("falloff"));
-    if (given.contains("elastic")) // as that
+    if (given.contains("elastic"))
         param.elastic = nb::cast<bool>(given["elastic"]);
-    if (given.contains("rigidity")) // as that
+    if (given.contains("rigidity"))
         param.rigidity = number("rigidity");
     param.weights = MappingWeights(whole("weights"));
     param.looseParts = LooseParts(whole("loose_parts"));

@@ -13,9 +13,9 @@
 #include <vector>
 
 /// \file
-/// What was solved as bytes, for pickles. Both ways go through the same list of fields (fieldsOf).
+/// Solutions as bytes, for pickles. Writer and reader use the same lists of fields (fieldsOf).
 
-/// The fields of what has some, in the order in which they are written.
+/// The fields of each type, in the order in which they are written.
 template <class Take>
 void fieldsOf(vcg::fcd::HeldMotions &given, const Take &take) {
     take(given.motion, given.rotates, given.turn, given.pointMotion);
@@ -41,17 +41,17 @@ void fieldsOf(vcg::fcd::Compensation &way, const Take &take) {
     way.Fields(take);
 }
 
-/// What a state is of.
+/// A kind of state.
 struct StateKind {
-    const char *mark;    ///< with which it begins
-    const char *refusal; ///< of what is none
+    const char *mark;    ///< its first bytes
+    const char *refusal; ///< message for other bytes
 };
 inline constexpr StateKind poseState{"fcd pose 3\n",
                                      "The pose was kept by another version of this package: pose the surface anew."};
 inline constexpr StateKind compensationState{
     "fcd compensation 1\n", "The compensation was kept by another version of this package: compensate the part anew."};
 
-/// Which values are their bytes: numbers, and matrices of fixed size.
+/// Values that are written as their bytes: numbers, and matrices of fixed size.
 template <class T>
 struct IsPlain : std::is_arithmetic<T> {};
 template <class T, int rows, int columns>
@@ -102,7 +102,7 @@ class StateWriter {
     }
 };
 
-/// Reads what StateWriter has written. \throw BadInput what it has not
+/// Reads what StateWriter has written. \throw BadInput other bytes
 class StateReader {
   public:
     StateReader(const StateKind &kind, std::string given)
@@ -131,7 +131,7 @@ class StateReader {
         at += size;
     }
 
-    /// How many follow, of at least a byte each.
+    /// The number of items that follow, each of at least a byte.
     std::size_t count() {
         std::size_t n = 0;
         raw(&n, sizeof n);

@@ -99,7 +99,7 @@ void Posed::solve(const PoseParam &param, const Posed *start, const Progress &pr
     const auto way = [&](int step, int steps) {
         return step == steps ? end : deformer.MotionsOf(between(*start, handles, how.pose, double(step) / steps), 100);
     };
-    // What is at rest is that to the bit, from wherever it comes, and what goes on from rest begins there.
+    // To rest and from rest, a pose is solved without the start: rest has the same bits from anywhere.
     const bool isFromRest = !start || !start->pose.Moves() || !end.Moves() || start->reached.size() != reached.size();
     pose = isFromRest ? deformer.Solve(handles, how, progress) : deformer.SolveAlong(way, how, &start->pose, progress);
     carrier = std::make_unique<const vcg::fcd::Carrier>(deformer, pose, prepared->threads);

@@ -14,8 +14,8 @@
 
 /// How a prepared surface is posed.
 struct PoseParam {
-    std::vector<std::pair<int, std::string>> motions; ///< of tags, as ReadMotionText reads their steps
-    std::optional<Rows> targets;                      ///< of the landmarks
+    std::vector<std::pair<int, std::string>> motions; ///< of tags, as steps for ReadMotionText
+    std::optional<Rows> targets;                      ///< of the landmarks, in their order; none: they stay
     double percent = 100;
     int steps = 1;
 };
@@ -23,38 +23,38 @@ struct PoseParam {
 /// A pose of a prepared surface.
 class Posed {
   public:
-    /// Solved, but not yet mapped. \param start the pose to go on from; its motions lead to the new ones as those of a
-    /// blend do
+    /// Solves a pose; write() maps it. \param start the pose to begin from, or null: rest. Motions change from its own
+    /// to the new ones as in a blend
     Posed(std::shared_ptr<const Prepared> prepared, const PoseParam &param, const Posed *start,
           const nb::object &report);
-    /// A pose that something else has found. \param seconds that it took
+    /// A pose that something else has solved. \param seconds time for that
     Posed(std::shared_ptr<const Prepared> prepared, vcg::fcd::SurfacePose pose, double seconds);
-    /// As state() has told it, of a surface that is prepared alike. \throw BadInput another one
+    /// From state(), for a surface that is prepared alike. \throw BadInput it is of another surface or version
     Posed(std::shared_ptr<const Prepared> prepared, const nb::bytes &state);
     Posed(const Posed &) = delete;
     Posed &operator=(const Posed &) = delete;
 
-    /// Writes positions and, if \p normals at rest are given, what these turn to. What is in the arrays before is lost.
+    /// Maps the pose: writes positions and, with \p normals at rest, the turned ones.
     void write(const Written &vertices, const std::optional<Rows> &normals, const std::optional<Written> &turned,
                const nb::object &report);
 
-    /// Counts what is probably not meant. \param vertices as written
+    /// Counts signs that the pose is not as intended. \param vertices as written
     nb::dict check(const Rows &vertices, const nb::object &report) const;
-    /// Where the surface passes through itself and did not at rest. \param vertices as written \return faces, pairs,
-    /// the largest depth, and the depth at each vertex or None
+    /// As FindContact. \param vertices as written \return faces, number of pairs, the largest depth, and the depth of
+    /// each vertex, or None without contact
     nb::tuple contact(const Rows &vertices, const nb::object &report) const;
-    /// Stretch of the surface at each vertex.
+    /// The stretch of the surface at each vertex, n numbers.
     nb::object stretch(const Rows &vertices, const nb::object &report) const;
-    /// Other points of the same space, and their normals.
+    /// Maps other points of the same space, and their normals.
     nb::tuple map(const Rows &points, const std::optional<Rows> &normals, const nb::object &report) const;
-    /// The same as a field that is sampled, and what there is to say of it. \param accuracy as of FieldParam
+    /// The pose as a sampled field, and its report. \param accuracy as of FieldParam
     nb::tuple field(bool inverse, double accuracy, const nb::object &report) const;
-    /// Positions of the nodes, and their linear maps.
+    /// The positions of the graph's nodes, and their linear maps.
     nb::tuple nodes() const;
     nb::dict info() const;
-    /// How far it is from the pose of more and more nodes; solves a second graph.
+    /// As Deformer::DiscretisationError; solves a second graph.
     double discretisationError(const nb::object &report) const;
-    /// All that it knows besides the surface.
+    /// The pose without the surface, for pickles.
     nb::bytes state() const;
 
   private:
@@ -63,8 +63,8 @@ class Posed {
     vcg::fcd::Handles between(const Posed &start, const vcg::fcd::Handles &end, double percent, double share) const;
 
     const std::shared_ptr<const Prepared> prepared;
-    std::vector<Eigen::Vector3d> reached; ///< where the landmarks are; none of a pose that something else has found
-    bool anyMoves = false;                ///< whether any motion leads anywhere
+    std::vector<Eigen::Vector3d> reached; ///< places of the landmarks; empty if something else has solved the pose
+    bool anyMoves = false;                ///< whether any handle or landmark moves
     vcg::fcd::SurfacePose pose;
     std::unique_ptr<const vcg::fcd::Carrier> carrier;
     double secondsSolve = 0, secondsMap = 0;

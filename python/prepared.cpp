@@ -70,7 +70,7 @@ void Prepared::prepare(const nb::object &report, const Make &make) {
                                  : vcg::fcd::CountHandles(handles, view.vertexSlots, nullptr, threads);
         deformer = make(*this, progress.Slice(0.02, 1));
         findStill(progress);
-        std::mutex lock; // of box
+        std::mutex lock; // for box
         ParallelFor(threads, view.vertexSlots, 1 << 16, [&](std::size_t first, std::size_t last) {
             Eigen::AlignedBox3d part;
             for (std::size_t i = first; i < last; ++i)
@@ -314,12 +314,12 @@ std::uint64_t checksum(const Rows &rows, unsigned threads) {
     std::vector<std::uint64_t> part((n + grain - 1) / grain);
     const nb::gil_scoped_release release;
     ParallelFor(threads, n, grain, [&](std::size_t first, std::size_t last) {
-        std::uint64_t sum[3] = {1, 2, 3}; // for each column, so that three are added at a time
+        std::uint64_t sum[3] = {1, 2, 3}; // three independent sums, for speed
         for (std::size_t i = first; i < last; i += 3)
             for (std::size_t d = 0; d < 3; ++d) {
                 std::uint64_t bits;
                 std::memcpy(&bits, number + i + d, sizeof bits);
-                // A step of FNV, which carries bits upwards only; the shift brings the upper ones down.
+                // A step of FNV, which only carries bits upwards; the shift brings them down.
                 sum[d] = (sum[d] ^ bits) * 0x100000001B3u;
                 sum[d] ^= sum[d] >> 32;
             }

@@ -15,7 +15,7 @@ vcg::fcd::SurfaceMark markOf(const Prepared &prepared) {
     return vcg::fcd::SurfaceMark::Of(prepared.view, prepared.handles.world);
 }
 
-/// What hands bytes to a callable of Python; empty for None.
+/// Passes bytes to a callable of Python; empty for None.
 vcg::fcd::WriteAt writerOf(const nb::object &take) {
     if (take.is_none())
         return {};
@@ -51,7 +51,7 @@ vcg::fcd::SurfaceLook lookOf(const Sequence::Look &given, const vcg::fcd::Surfac
     return look;
 }
 
-/// Where the vertices of another mesh are on the surface, as Posed::map finds them.
+/// The places on the surface of another mesh's vertices, as of Posed::map.
 std::vector<vcg::fcd::SurfacePlace> placesOf(const Rows &rows, const Prepared &prepared, const Progress &progress) {
     std::vector<vcg::fcd::SurfacePlace> found(rows.shape(0));
     const vcg::fcd::NearestPlace &places = prepared.places(progress.Slice(0, 0.5));
@@ -145,7 +145,7 @@ nb::dict Sequence::write(const std::shared_ptr<Prepared> &prepared, double rate,
         output.companions.push_back(companionOf(each, *prepared));
     vcg::fcd::SequenceReport made;
     Listener::Run(report, prepared->threads, [&](const Progress &progress) {
-        const double begin = others.empty() ? 0 : 0.2; // a guess: frames take longer than looking for places once
+        const double begin = others.empty() ? 0 : 0.2; // an estimate of the time for the places
         for (std::size_t i = 0; i < others.size(); ++i) {
             const auto share = [&](std::size_t n) { return begin * double(n) / double(others.size()); };
             const Rows &rows = std::get<0>(others[i]);

@@ -20,28 +20,28 @@ class Sequence {
     Sequence(const std::vector<std::pair<std::string, std::string>> &poses, const std::vector<Key> &keys);
     Sequence(const std::string &text, const std::string &name) : sequence(vcg::fcd::ReadPoseSequence(text, name)) {}
 
-    /// The table. \param prepared its surface is named in the table; null: no surface is
+    /// The table. \param prepared whose surface the table names; null: none
     std::string text(const Prepared *prepared) const;
-    /// The table with what is known of the surface, as it was read.
+    /// The table with the surface that was read, for pickles.
     std::string state() const { return PoseSequenceText(sequence); }
     std::vector<std::pair<std::string, std::string>> poses() const;
     std::vector<Key> keys() const;
     std::vector<double> weightsAt(double time) const { return sequence.WeightsAt(time); }
     std::vector<double> times(double rate) const { return FrameTimes(sequence, rate); }
 
-    /// The motions of each pose, of handles that \p prepared has. \throw BadInput others, or another surface
+    /// The motions of each pose. \throw BadInput \p prepared lacks a handle, or is another surface
     std::vector<std::map<int, vcg::fcd::Motion>> motionsOf(const Prepared &prepared) const;
 
     using Colors = Given<std::uint8_t, nb::shape<-1, 4>>;
-    /// What a mesh is called, colours of its vertices and of its faces, texture coordinates of the corners of faces,
-    /// the texture of each face, and textures: name and content.
+    /// A mesh's name, colours of vertices, colours of faces, texture coordinates of the faces' corners, texture of each
+    /// face, and textures: name and content.
     using Look =
         std::tuple<std::string, std::optional<Colors>, std::optional<Colors>,
                    std::optional<Given<float, nb::shape<-1, 6>>>, std::optional<Given<std::int32_t, nb::ndim<1>>>,
                    std::vector<std::pair<std::string, nb::bytes>>>;
-    using Other = std::tuple<Rows, std::optional<Corners>, Look>; ///< a mesh that goes along
+    using Other = std::tuple<Rows, std::optional<Corners>, Look>; ///< a companion
 
-    /// Writes frames. \param gltf, pointCache called with what they get, at which place; or None
+    /// Writes frames. \param gltf, pointCache called with an offset and bytes; or None
     nb::dict write(const std::shared_ptr<Prepared> &prepared, double rate, const nb::object &gltf, int shapes,
                    const nb::object &pointCache, const Look &look, const std::vector<Other> &others,
                    const nb::object &report) const;
@@ -50,7 +50,7 @@ class Sequence {
     vcg::fcd::PoseSequence sequence;
 };
 
-/// A surface that is posed by weights of poses, each time from where it is.
+/// Poses a surface by weights of poses, each time from the last pose.
 class Sequencer {
   public:
     Sequencer(std::shared_ptr<Prepared> prepared, const Sequence &sequence);

@@ -12,14 +12,14 @@
 #include <limits>
 #include <memory>
 
-/// body(i, hint) for each of \p n points, by all threads, neighbours in space one after the other: what they look up is
-/// then in the processor's cache, which halves the time for points in any order. Each point is for itself, so no bit
-/// depends on it. The hint is that of the point before. \param box of the surface that they are looked up on; what lies
-/// outside is sorted by its faces
+/// Calls body(i, hint) for each of \p n points, by all threads, in an order in which neighbours in space follow each
+/// other. Their lookups then hit the processor's cache, which halves the time. Results do not depend on the order. The
+/// hint is that of the point before. \param box of the surface; farther points are sorted as if on the sides of a cube
+/// twice as wide
 template <class Body>
 void forInSpaceOrder(const double *points, std::size_t n, const Eigen::AlignedBox3d &box,
                      const vcg::fcd::Progress &progress, const char *stage, const Body &body) {
-    constexpr std::size_t block = 1 << 22, grain = 1 << 12; // of blocks, 64 MB of memory are used at most
+    constexpr std::size_t block = 1 << 22, grain = 1 << 12; // a block needs 64 MB of memory at most
     const double size = std::max(box.sizes().maxCoeff(), std::numeric_limits<double>::min());
     const Eigen::Vector3d center = 0.5 * box.min() + 0.5 * box.max();
     for (std::size_t begin = 0; begin < n; begin += block) {
@@ -42,7 +42,7 @@ void forInSpaceOrder(const double *points, std::size_t n, const Eigen::AlignedBo
             const auto number = [&](std::size_t i) { return begin + std::size_t(items[i] & 0xFFFFFFFF); };
             for (std::size_t i = first; i < last; ++i) {
 #ifdef __GNUC__
-                if (i + 8 < last) // where it lies is known to nobody but us: a tenth of the time is waiting for it
+                if (i + 8 < last) // the processor cannot foresee the address: saves a tenth of the time
                     __builtin_prefetch(points + 3 * number(i + 8));
 #endif
                 body(number(i), hint);

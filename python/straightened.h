@@ -4,9 +4,8 @@
 
 #include "posed.h"
 
-/// Straightens a surface, or bends it.
-/// \param prepared of a surface that is all free \param goal line, target (or None), and numbers, by name; see
-/// straighten in Python \return the pose, and what is told of it
+/// Straightens a surface, or bends it along a line. \param prepared a surface that is all free \param goal by name:
+/// line, target (or None), and parameters as of straighten in Python \return the pose, and the report
 nb::tuple straighten(const std::shared_ptr<Prepared> &prepared, const nb::dict &goal, const nb::object &report);
 
 #endif

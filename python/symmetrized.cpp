@@ -17,7 +17,7 @@ namespace {
 
 SymmetryGoal symmetryGoalOf(const nb::dict &given) {
     SymmetryGoal goal;
-    const auto vertex = nb::cast<Fitting::Numbers>(given["vertex"]); // the ends of each pair, the midline
+    const auto vertex = nb::cast<Fitting::Numbers>(given["vertex"]); // ends of the pairs, then the midline
     const auto place = nb::cast<Rows>(given["place"]);
     const auto pairs = nb::cast<std::size_t>(given["pairs"]);
     const auto mark = [&](std::size_t l) {
