@@ -22,7 +22,7 @@ void ask(Fields &fields, StraightenMeshParam &param) {
                     "default): the layer above is the line.");
     fields.field(
         "line_smoothing", param.smoothing, Shown::Advanced, "Line smoothing (percent of its length)",
-        "Removes wiggles shorter than some six times this part of the length, such as the steps of a skeleton of "
+        "Removes wiggles shorter than about three times this part of the length, such as the steps of a skeleton of "
         "voxels. 1 is much. <b>0</b> (the default): the line goes through its points. Only jitter of close points that "
         "would stretch the surface by more than a hundredth is removed; the log says how much there was.",
         -2);

@@ -4,5 +4,5 @@ import sys
 
 from ._batch import main
 
-if __name__ == "__main__":  # and not in the processes that this starts
+if __name__ == "__main__":  # not in the processes that it spawns
     sys.exit(main())

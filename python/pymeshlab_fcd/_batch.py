@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What `python -m pymeshlab_fcd` does: one job on many files, in several processes, gone on with where it stopped."""
+"""The command `python -m pymeshlab_fcd`: one job on many files, in several processes. The same command continues where one stopped."""
 from __future__ import annotations
 
 import argparse
@@ -36,7 +36,7 @@ from ._results import Row, Table, state
 from ._straighten import straighten
 from ._symmetrize import symmetrize
 
-_MEASURED = "measured: "  # what the names of measurements begin with in the table, where they may be any
+_MEASURED = "measured: "  # before the names of measurements in the table, since users choose these
 
 _FITTED = ("matched", "rms", "median", "percentile_95", "guessed", "landmark_residual", "curve_residual", "folded", "contact", "contact_depth", "converged")
 _POSED = ("nodes", "folded", "strained", "contact", "contact_depth", "largest_stretch", "converged")
@@ -44,7 +44,7 @@ _SYMMETRIC = ("before", "after", "asymmetry", "asymmetry_most", "moved", "moved_
 
 
 def _target(path: Path, weights: str | None = None) -> tuple[Points, NDArray[np.int64] | None, NDArray[np.float64] | None]:
-    """A scan, of which nothing is written, and its weights."""
+    """Vertices, faces and weights of a scan."""
     if path.suffix.lower() == ".ply":
         ply = Ply(path)
         return ply.vertices, ply.faces, ply.column(weights) if weights else None
@@ -73,12 +73,12 @@ def _target(path: Path, weights: str | None = None) -> tuple[Points, NDArray[np.
 
 
 def _curves_of(given: str, scan: Path) -> Path:
-    """The file of a scan, or the one of all."""
+    """The file of curves for a scan, or the one for all."""
     return Path(given) / f"{scan.stem}.csv" if Path(given).is_dir() else Path(given)
 
 
 def _write(ply: Ply, pose: Pose, out: Path, names: Sequence[str], given: argparse.Namespace) -> Row:
-    """The file as the pose is, its deformation where that is to be kept, its figures, and what is measured of it."""
+    """Writes the posed file, and its deformation if asked for. Returns its figures and measurements."""
     measured: Row = dict(_measures.take(_measures.read(given.measure), pose.vertices, ply.faces)) if given.measure else {}
     normals = pose.normals if ply.normals is not None and (ply.faces is not None or pose.deformer._rest_normals is not None) else None
     ply.save(out, pose.vertices, normals)
@@ -102,7 +102,7 @@ def _fit(given: argparse.Namespace, scan: Path, out: Path, threads: int) -> Row:
 
 
 def _moves(given: argparse.Namespace) -> dict[int, Motion]:
-    """By tag. Raises ValueError for what none is."""
+    """The motions of --move, by tag. Raises ValueError for a wrong one."""
     found: dict[int, Motion] = {}
     for word, text in given.move:
         where = f"--move {word} '{text}'"
@@ -118,7 +118,7 @@ def _moves(given: argparse.Namespace) -> dict[int, Motion]:
             found[tag] = Motion.parse(text)
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                deform(np.eye(3), None, [0, 1, tag], {tag: found[tag]})  # which tells what is wrong with it
+                deform(np.eye(3), None, [0, 1, tag], {tag: found[tag]})  # raises what is wrong with it
         except ValueError as error:
             raise ValueError(f"{where}: {error}") from None
     return found
@@ -191,7 +191,7 @@ def _results_of(given: argparse.Namespace, out: Path) -> list[Path]:
 
 
 def _job(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
-    """Does one file. What goes wrong is told in the row."""
+    """Does one file. An error is put in the row."""
     begin = time.perf_counter()
     row: Row = {}
     with warnings.catch_warnings(record=True) as caught:
@@ -199,7 +199,7 @@ def _job(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
         try:
             row.update(_JOBS[given.job](given, path, out, threads))
             row["error"] = ""
-        except Exception as error:  # whatever is in a file: the others are done all the same
+        except Exception as error:  # of any kind: the other files are done anyway
             row["error"] = f"{error}" or type(error).__name__
     row["seconds"] = round(time.perf_counter() - begin, 3)
     row["result"] = "" if row["error"] else state(*_results_of(given, out))
@@ -208,8 +208,8 @@ def _job(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
 
 
 def _key(given: argparse.Namespace, defaults: Mapping[str, object], path: Path, known: Callable[[Path], str]) -> str:
-    """Of all that a result depends on, in two words: what is in the file, and what is asked. What has the same is not done again, wherever
-    it lies; an option that is not given counts for nothing, so that a later version may have more of them. known: what is in a file"""
+    """All that a result depends on, as two hashes: of the file's content, and of the options. A file with the same key is not done again,
+    wherever it lies. Default options do not count, so that later versions may add some. known: hash of a file's content"""
     asked: dict[str, object] = {}
     for name, value in vars(given).items():
         if name in ("files", "out", "processes", "scheduler", "mean", "again") or value == defaults.get(name):
@@ -225,14 +225,14 @@ def _key(given: argparse.Namespace, defaults: Mapping[str, object], path: Path, 
 
 
 def _on_cluster(client: Any, given: argparse.Namespace, jobs: Sequence[tuple[Path, Path]]) -> Iterator[tuple[Path, Row]]:
-    """The same by the workers of a Dask cluster, which see the same folders; one that is lost is done without."""
+    """The rows, as they come, from the workers of a Dask cluster, which see the same folders. A lost worker becomes an error in its row."""
     tasks = {client.submit(_job, given, path, out, 1, pure=False): path for path, out in jobs}
     try:
         for task in importlib.import_module("distributed").as_completed(tasks):
             row: Row
             try:
                 row = task.result()
-            except Exception as error:  # of the cluster: a job tells its own in its row
+            except Exception as error:  # of the cluster: a job puts its own error in its row
                 row = {"error": f"the cluster could not do it: {error or type(error).__name__}"}
             yield tasks[task], row
     finally:
@@ -263,7 +263,7 @@ def _done(given: argparse.Namespace, jobs: Sequence[tuple[Path, Path]]) -> Itera
 
 
 def _write_mean(files: Sequence[Path], out: Path, scaled: bool) -> None:
-    """The mean of results, which have the same vertices, and what it carries of the first one."""
+    """Writes the mean of results with the same vertices, with all else of the first one."""
     first = Ply(files[0])
     found = mean_shape([lambda path=path: Ply(path).vertices for path in files], scaled)  # type: ignore[misc]
     normals: Points | None = None
@@ -280,7 +280,7 @@ def _write_mean(files: Sequence[Path], out: Path, scaled: bool) -> None:
 
 
 def _parsers() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.ArgumentParser]]:
-    """That of the command, and those of its jobs."""
+    """The parser of the command, and those of its jobs."""
     parser = argparse.ArgumentParser(prog="python -m pymeshlab_fcd", description="Does one job on many files. What the folder of the results "
                                      "has already, of the same files and options, is left; a table there has a row for each file, with its "
                                      "figures and warnings. The status is 0 where all files are done, 1 where some could not be, 2 where the "
@@ -339,7 +339,7 @@ def _parsers() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.ArgumentP
 
 
 def _say(text: str, file: TextIO | None = None) -> None:
-    """In what characters the stream has."""
+    """Prints a text; characters that the stream lacks are escaped."""
     stream: Any = file or sys.stdout
     if stream is None:  # it was closed before the start
         return
@@ -348,7 +348,7 @@ def _say(text: str, file: TextIO | None = None) -> None:
 
 
 def _looked_at(parser: argparse.ArgumentParser, given: argparse.Namespace, paths: Sequence[Path], outs: Mapping[Path, Path]) -> None:
-    """Ends a command that cannot be meant, before anything is done."""
+    """Ends a wrong command before anything is done."""
     if given.processes < 1:
         parser.error("--processes must be 1 or more")
     if given.scheduler:
@@ -375,7 +375,7 @@ def _looked_at(parser: argparse.ArgumentParser, given: argparse.Namespace, paths
 
 
 def _table(parser: argparse.ArgumentParser, given: argparse.Namespace, outs: Mapping[Path, Path], keys: Mapping[Path, str]) -> Table | None:
-    """That of the folder, none of whose results may be of another file or job. A file may have been moved: it is known by what is in it."""
+    """The folder's table. Ends the command if it would overwrite a result of another file or job. A moved file is recognised by its content."""
     if not given.out:
         return None
     folder = Path(given.out)
@@ -384,7 +384,7 @@ def _table(parser: argparse.ArgumentParser, given: argparse.Namespace, outs: Map
         others = {job: Table(folder / f"{job}.csv") for job in _JOBS if job not in ("info", given.job)}
     except (OSError, ValueError) as error:
         parser.error(f"{error}")
-    mean = folder / "mean.ply"  # which is of itself
+    mean = folder / "mean.ply"  # its source in the table is itself
     written = [*outs.items(), *([(mean, mean)] if getattr(given, "mean", None) else [])] if given.job != "info" else []
     for path, out in written:
         for job, each in {given.job: table, **others}.items():
@@ -401,7 +401,7 @@ def _table(parser: argparse.ArgumentParser, given: argparse.Namespace, outs: Map
 
 
 def _folder(parser: argparse.ArgumentParser, given: argparse.Namespace) -> contextlib.AbstractContextManager[bool]:
-    """That of the results, made and taken; `True` where there is none."""
+    """Makes the folder of results, and locks it for this command; `True` if there is none."""
     if not given.out:
         return contextlib.nullcontext(True)
     try:
@@ -423,14 +423,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
             if not is_alone:
                 parser.error(f"another command is writing to --out {shown(given.out)}: wait until it is done, or give another folder")
             defaults = {name: jobs[given.job].get_default(name) for name in vars(given)}
-            known = functools.cache(state)  # a template is read once
+            known = functools.cache(state)  # reads a template once
             keys = {path: _key(given, defaults, path, known) for path in outs} if given.out else {}
             return _go(given, outs, keys, _table(parser, given, outs, keys))
-    except BrokenPipeError:  # whoever read what is said is gone, as of "| head"
-        with contextlib.suppress(AttributeError, OSError, ValueError):  # what is still to be said goes nowhere
+    except BrokenPipeError:  # the reader of the output is gone, as with "| head"
+        with contextlib.suppress(AttributeError, OSError, ValueError):  # discards the rest of the output
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 141  # as by SIGPIPE
-    except OSError as error:  # of the table or the mean: a job tells its own in its row
+    except OSError as error:  # of the table or the mean: a job puts its own in its row
         with contextlib.suppress(OSError):
             _say(f"ended: {error}; the same command goes on from here", sys.stderr)
         return 1
@@ -441,7 +441,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _go(given: argparse.Namespace, outs: Mapping[Path, Path], keys: Mapping[Path, str], table: Table | None) -> int:
-    """Does what is left. Returns the status."""
+    """Does the files that are left. Returns the status."""
     rows = table.rows if table else {}
 
     def is_as_written(path: Path) -> bool:
@@ -454,10 +454,10 @@ def _go(given: argparse.Namespace, outs: Mapping[Path, Path], keys: Mapping[Path
         _say(f"{len(done)} of {len(outs)} files are done already")
     failed = 0
     if table and rows:
-        table.write()  # without what an interrupt left half done
+        table.write()  # removes a row that an interrupt left unfinished
     for number, (path, row) in enumerate(_done(given, left), len(done) + 1):
         failed += bool(row["error"])
-        if table:  # first: what is said to be done is not done again
+        if table:  # before the output: what it reports is not done again
             table.add(path, {**row, "key": keys[path]})
         seen = f"failed: {row['error']}" if row["error"] else ", ".join(
             f"{name} {value:.4g}" if isinstance(value, float) else f"{name} {value}" for name, value in row.items()
@@ -475,7 +475,7 @@ def _go(given: argparse.Namespace, outs: Mapping[Path, Path], keys: Mapping[Path
         if good:
             mean = Path(given.out) / "mean.ply"
             _write_mean(good, mean, given.mean == "similar")
-            if table:  # which tells whose it is
+            if table:
                 table.add(mean, {"error": "", "seconds": "", "warnings": "", "result": state(mean), "key": "mean"})
     if failed:
         _say(f"{failed} of {len(outs)} files could not be done", sys.stderr)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Compensation: what to print so that it becomes what is wanted."""
+"""Compensation: the part to print so that the nominal part comes out."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from ._warnings import CompensationWarning, warn
 
 @dataclass(frozen=True)
 class CompensationInfo:
-    """How far a part was warped, and what is made of it. Lengths are in units of the vertices."""
+    """How far a part was warped, and how it was changed. Lengths are in units of the vertices."""
 
     before: float
     """Distance of the nominal part from the scan, when laid onto it rigidly, root mean square over the scanned surface."""
@@ -35,7 +35,7 @@ class CompensationInfo:
 
 
 class Compensated:
-    """What to print, by [compensate][pymeshlab_fcd.compensate]. It can be pickled."""
+    """The part to print, by [compensate][pymeshlab_fcd.compensate]. It can be pickled."""
 
     def __init__(self, way: _core.Compensating, nominal: Points) -> None:
         self._way = way
@@ -52,12 +52,13 @@ class Compensated:
 
     @property
     def vertices(self) -> Points:
-        """n x 3, read-only: what to print, with the faces of the nominal part. Vertices without a face that lie beyond the part stay."""
+        """n x 3, read-only: the vertices to print, with the faces of the nominal part. Vertices without a face that lie beyond the part
+        stay."""
         return self._vertices
 
     @property
     def info(self) -> CompensationInfo:
-        """How far the part was warped, and what is made of it."""
+        """How far the part was warped, and how it was changed."""
         return CompensationInfo(**self._way.told())
 
     @property
@@ -106,9 +107,9 @@ def compensate(
     threads: int = 0,
     progress: Progress = None,
 ) -> Compensated:
-    """Tells what to print so that the nominal part comes out. The scan of a printed part tells the warp; this turns it round. The warp is
-    smooth and moves all of space. So flat faces, round holes and sharp edges stay what they are, parts that were not scanned go along, and
-    noise does not come through. Vertices need not be welded. Meshes of other libraries bring their faces: `compensate(mesh, scan)`.
+    """Computes the part to print so that the nominal part comes out. The scan of a printed part shows the warp; this is its inverse. The warp
+    is smooth and moves all of space. So flat faces, round holes and sharp edges stay, parts that were not scanned move along, and noise has no
+    effect. Vertices need not be welded. Meshes of other libraries bring their faces: `compensate(mesh, scan)`.
 
     The method assumes that the next print warps at each place as this one did. If the change is large, print, scan and compensate again.
 
@@ -124,11 +125,11 @@ def compensate(
     scan_faces : array_like, optional
         m x 3 numbers of vertices of the scan; None: a cloud, or what the mesh has.
     scan_normals : array_like, optional
-        k x 3, of a cloud: they tell the two sides of something thin apart.
+        k x 3, of a cloud: they tell the two sides of thin parts apart.
     degree : int, default 5
-        Of the polynomial that warps, 1 to 7: 1 is shrinkage and shear, more follows finer warps.
+        Degree of the warp's polynomial, 1 to 7. 1 is shrinkage and shear; more follows finer warps.
     largest_distance : float, default 0.0
-        What is farther than this from the scan is not scanned. 0: no limit.
+        Parts farther than this from the scan count as not scanned, in units of the vertices. 0: no limit.
     samples : int, default 12000
         How many places of the nominal part are matched, from 100 to a million.
     threads : int, default 0
@@ -139,7 +140,7 @@ def compensate(
     Returns
     -------
     Compensated
-        What to print, `Compensated.vertices`, and how far that is from the nominal part, `Compensated.info`.
+        The part to print, `Compensated.vertices`, and how far it is from the nominal part, `Compensated.info`.
 
     Raises
     ------
@@ -153,7 +154,7 @@ def compensate(
     Warns
     -----
     DeformationWarning
-        Little is scanned, the warp leaves half of what there was, or it cannot be turned round.
+        Little is scanned, half of the distance is left after the warp, or the warp cannot be inverted.
     """
     found, scan, corners = _meshes.beside(vertices, faces, scan_vertices, scan_faces)
     own: Any = found

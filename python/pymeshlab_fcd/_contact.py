@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from ._warnings import ContactWarning, Told
 
 UNASKED: Final = 250_000
-"""Faces of a surface in which contact is looked for without being asked: that takes a tenth of a second at most. It takes longer than
-the pose itself, so that of a larger one, it is looked for where somebody asks."""
+"""Surfaces of at most so many faces are checked for contact unasked, which takes a tenth of a second at most. In larger ones, it takes longer
+than the pose itself."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,14 +20,15 @@ class Contact:
     """Where a surface passes through itself and did not at rest. Neighbours, and other triangles that touched at rest, do not count."""
 
     faces: NDArray[np.int64]
-    """Ascending: numbers of the triangles that pass through another one."""
+    """Numbers of the triangles that pass through another one, ascending."""
     pairs: int
-    """Of such triangles."""
+    """Number of pairs of such triangles."""
     largest_depth: float
-    """How far the surface has come through itself at most, in units of the vertices; 0 without contact."""
+    """The largest of `depth`; 0 without contact."""
     depth: NDArray[np.float32]
-    """n: how far each vertex has come through, which is 0 of most. Where the triangles in contact cut something off, that is its distance
-    from the surface that it came through; of other corners of these triangles, how far the two reach through each other."""
+    """n: how far each vertex has come through the surface, in units of the vertices; 0 for most. Corners of the triangles in contact have the
+    depth of their pair. These triangles also cut the surface into pieces. In each connected part, all pieces but the largest are inside: their
+    vertices have the distance from the surface that they passed."""
 
     @property
     def triangles(self) -> int:

@@ -15,14 +15,14 @@ class Curve:
     """A line on each of two surfaces, which slide along each other in a fit: one of `curves` of [fit][pymeshlab_fcd.fit]."""
 
     name: str
-    """What it is called."""
+    """Its name."""
     source: Points
-    """k x 3 corners on the surface that is fitted, in order. What goes along it are the vertices nearest to them, and to places between them
-    no farther apart than the mean edge, where these are free."""
+    """k x 3 corners on the surface that is fitted, in order. The free vertices nearest to them, and to points between them at most a mean edge
+    apart, slide along the target's line."""
     target: Points
-    """m x 3 corners on the target, in order: as many or others. It is closed where the last is the first."""
-    _file: str = field(default="", repr=False)  # what messages call it
-    _lines: list[int] = field(default_factory=list, repr=False)  # where that has each corner of the source
+    """m x 3 corners on the target, in order; m need not be k. It is closed if the last is the first."""
+    _file: str = field(default="", repr=False)  # name of the file, for messages
+    _lines: list[int] = field(default_factory=list, repr=False)  # line of each corner of the source there
 
 
 def read_curves(path: str | os.PathLike[str]) -> list[Curve]:

@@ -68,7 +68,7 @@ def deform(
     landmarks : array_like, optional
         k x 3, where the points go.
     percent : float, default 100.0
-        How much of all motions is carried out.
+        Share of all motions that is made.
     steps : int, default 1
         Number of steps to the pose.
     smoothness : float, default 0.0058
@@ -181,7 +181,7 @@ def deformation(
     landmarks : array_like, optional
         k x 3, where the points go.
     percent : float, default 100.0
-        How much of all motions is carried out.
+        Share of all motions that is made.
     steps : int, default 1
         Number of steps to the pose.
     smoothness : float, default 0.0058

@@ -21,21 +21,21 @@ from ._progress import Progress, report
 class Deformation:
     """A deformation of space, as `save_fcd_deformation` and [Pose.deformation][pymeshlab_fcd.Pose.deformation] make it.
 
-    Call it with points in world coordinates. Each point, by itself, goes with the nearest place of the deformed surface. So the bits do not
-    depend on how points are cut into pieces, on their order, or on threads. Any number of threads may use one object at a time. It can be
-    pickled, to a megabyte or so. Two are equal if all their bits are.
+    Call it with points in world coordinates. Each point moves with the nearest place of the deformed surface. Its bits do not depend on other
+    points, on their order, or on threads. Any number of threads may use one object at a time. It can be pickled, to a megabyte or so. Two are
+    equal if all their bits are.
 
     Parameters
     ----------
     content : bytes
-        That of a file.
+        The content of a file.
     name : str, default 'deformation'
-        What messages call it.
+        Its name in messages.
 
     Raises
     ------
     TypeError
-        The content is no bytes.
+        The content is not bytes.
     ValueError
         It is no saved deformation; the message says what is wrong.
     """
@@ -45,7 +45,7 @@ class Deformation:
     def __init__(self, content: bytes, name: str = "deformation") -> None:
         if not isinstance(content, (bytes, bytearray, memoryview)):
             raise TypeError(f"content must be the bytes of a file; it is a {type(content).__name__}. Deformation.load(path) reads a file")
-        self._field = Field.read(bytes(content), shown(text("name", name)), 1)  # so small that more threads than one would not help
+        self._field = Field.read(bytes(content), shown(text("name", name)), 1)  # small: more threads would not help
         self._seconds: float | None = None
 
     @classmethod
@@ -56,7 +56,7 @@ class Deformation:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Deformation:
-        """From a file.
+        """Reads a file.
 
         Parameters
         ----------
@@ -74,7 +74,7 @@ class Deformation:
             return cls(file.read(), shown(path))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """To a file. What is there is replaced at once, when all is on the disk, and otherwise stays.
+        """Writes a file. An existing one is replaced once all is on the disk; if that fails, it stays.
 
         Parameters
         ----------
@@ -84,23 +84,22 @@ class Deformation:
         Raises
         ------
         OSError
-            It cannot be written, as where the disk is full.
+            It cannot be written, for example since the disk is full.
         """
         _files.write(path, self._field.content())
 
     @overload
-    def __call__(self, xyz: ArrayLike, normals: None = None, *, threads: int = 0, progress: Progress = None) -> Points: ...
+    def __call__(self, xyz: ArrayLike, normals: None = None, *, threads: int = 1, progress: Progress = None) -> Points: ...
     @overload
-    def __call__(self, xyz: ArrayLike, normals: ArrayLike, *, threads: int = 0, progress: Progress = None) -> tuple[Points, Points]: ...
+    def __call__(self, xyz: ArrayLike, normals: ArrayLike, *, threads: int = 1, progress: Progress = None) -> tuple[Points, Points]: ...
     def __call__(self, xyz: ArrayLike, normals: ArrayLike | None = None, *, threads: int = 1,
                  progress: Progress = None) -> Points | tuple[Points, Points]:
-        """Carries points.
+        """Maps points.
 
         Parameters
         ----------
         xyz : array_like
-            n x 3, world coordinates. Points that are not finite, or beyond 1e100, stay as they are, and so does, to the bit, what is
-            nearest to something that was fixed.
+            n x 3, world coordinates. Points nearest to a fixed part keep their bits. So do points that are not finite, or beyond 1e100.
         normals : array_like, optional
             n x 3, of any length.
         threads : int, default 1
@@ -111,7 +110,7 @@ class Deformation:
         Returns
         -------
         ndarray or tuple[ndarray, ndarray]
-            The positions, n x 3, and, where normals are given, these, too, as long as they were.
+            The positions, n x 3; with normals, also the turned normals, with their lengths kept.
 
         Raises
         ------
@@ -126,7 +125,7 @@ class Deformation:
         return positions if turned is None else (positions, turned)
 
     def linear(self, xyz: ArrayLike, *, threads: int = 1, progress: Progress = None) -> NDArray[np.float64]:
-        """How space turns and stretches at points: for strain, tensors, splats and all else that has directions.
+        """The linear maps of space at points: for strain, tensors, splats and all else that has directions.
 
         Parameters
         ----------
@@ -140,7 +139,7 @@ class Deformation:
         Returns
         -------
         ndarray
-            n x 3 x 3: what a small vector there becomes is the matrix times the vector.
+            n x 3 x 3: each matrix times a small vector there is the deformed vector.
 
         Raises
         ------
@@ -158,16 +157,16 @@ class Deformation:
         Parameters
         ----------
         spacing : float or Sequence[float]
-            From each point to the next, or one each along x, y and z. Other programs interpolate between the points: choose it no wider
-            than the gap between parts that move differently.
+            Distance of neighbouring points, or three, along x, y and z. Other programs interpolate between the points: choose it no wider than
+            the gap between parts that move differently.
         low : array_like, optional
-            The smallest coordinates of a box that the grid covers. None: those of the samples, and a spacing beyond.
+            The smallest coordinates of the box that the grid covers. None: a spacing below those of the samples.
         high : array_like, optional
-            The largest ones.
+            The largest coordinates. None: a spacing above those of the samples.
         axes : {'LPS', 'RAS'}, default 'LPS'
-            Where the coordinates of the surface look to.
+            The directions of the surface's coordinate axes.
         kind : {'modeling', 'resampling'}, default 'modeling'
-            What the file says that it is. `modeling`: the way there, for points and surfaces. `resampling`: the way back,
+            The kind that the file states. `modeling`: displacements of points and surfaces. `resampling`: the inverse,
             `pose.deformation(inverse=True)`, to resample a volume.
         threads : int, default 0
             How many to use; 0 is one a core.
@@ -191,7 +190,7 @@ class Deformation:
             for name, given, default in (("low", low, samples.min(0) - steps), ("high", high, samples.max(0) + steps)))
         if not (begin <= end).all():
             raise ValueError("low must not be above high")
-        counts = np.ceil((end - begin) / steps * (1 - 1e-12)) + 1  # a whole number of steps is that, whatever it was rounded by
+        counts = np.ceil((end - begin) / steps * (1 - 1e-12)) + 1  # no additional step by rounding
         if np.prod(counts) > 5e8:
             raise ValueError(f"a grid of {np.prod(counts):.3g} points is more than 500 million: give a wider spacing, or a smaller box")
         chosen = _inputs.choice("axes", axes, ("LPS", "RAS")), _inputs.choice("kind", kind, ("modeling", "resampling"))
@@ -205,24 +204,24 @@ class Deformation:
 
     @property
     def samples(self) -> Points:
-        """k x 3, where it was sampled, at rest: the thinned surface. Far from it, no answer makes sense."""
+        """k x 3, the positions of the samples at rest: a thinned surface. Far from it, the deformation means nothing."""
         return self._field.positions()
 
     @property
     def largest_difference(self) -> float | None:
-        """The largest error at a vertex of the deformed surface, in world units: this object is an approximation.
-        None where the file, of an earlier version, does not tell."""
+        """The largest error at a vertex of the deformed surface, in world units: this object is an approximation. None if it was read from a
+        file of an earlier version."""
         largest = self._field.largest_difference
         return None if math.isnan(largest) else largest
 
     @property
     def file_size(self) -> int:
-        """Of what [save][pymeshlab_fcd.Deformation.save] writes, in bytes."""
+        """The size of the file that [save][pymeshlab_fcd.Deformation.save] writes, in bytes."""
         return len(self._field.content())
 
     @property
     def seconds(self) -> float | None:
-        """How long it took to be made. None where it was read."""
+        """The time to make it. None if it was read from a file."""
         return self._seconds
 
     def __eq__(self, other: object) -> bool:

@@ -28,7 +28,7 @@ Falloff = Literal["smooth", "linear", "sharp", "constant"]
 Distances = Literal["surface", "euclidean"]
 LooseParts = Literal["follow", "stay"]
 Transforms = Mapping[int, Union[Motion, ArrayLike]]
-"""Of each handle that moves: its tag, and a 4 x 4 matrix (column vectors, world coordinates) or a Motion. Other handles stay."""
+"""For each handle that moves, by its tag: a 4 x 4 matrix (column vectors, world coordinates) or a Motion. Other handles stay."""
 
 
 @dataclass(frozen=True)
@@ -42,23 +42,22 @@ class Graph:
     radius: NDArray[np.float64]
     """k, how far each patch reaches from its centre, along the surface; units of the vertices."""
     centers: Points
-    """k x 3, the vertices at the centres of the patches: what the parameter `nodes` takes."""
+    """k x 3, the vertices at the centres of the patches, for the parameter `nodes`."""
 
 
 @dataclass(frozen=True)
 class Weights:
-    """What each of n vertices follows, as a sparse matrix of n rows in the CSR format.
+    """The weights by which each of n vertices follows nodes, held regions and landmarks: a sparse matrix of n rows in the CSR format.
 
-    `to_scipy` makes it one of scipy. The first k columns are the nodes of the graph, the next ones the held regions (`tags`, 0 first: what
-    is fixed or outside), the last ones the landmarks. Each row sums to 1, except those of loose parts that follow another part:
-    these are empty.
+    `to_scipy` makes a scipy matrix of it. The first k columns are the nodes of the graph, the next ones the held regions (`tags`; the first, 0,
+    is what is fixed or outside), the last ones the landmarks. Each row sums to 1. Only rows of loose parts that follow another part are empty.
 
-    Blending the nodes' motions with them comes near to a pose, but is not the same: the method blends to second order, and stretches
-    what runs into held regions with the surface.
+    Blending the motions by these weights comes near to a pose, but is not the same: the method blends to second order, and takes the surface's
+    stretch into account near held regions.
     """
 
     indptr: NDArray[np.int64]
-    """n + 1, where each vertex begins."""
+    """n + 1, the begin of each vertex in `indices` and `data`."""
     indices: NDArray[np.int32]
     """Columns."""
     data: NDArray[np.float32]
@@ -68,7 +67,7 @@ class Weights:
     nodes: int
     """How many columns are nodes."""
     tags: tuple[int, ...]
-    """Those of the held regions, in the order of their columns."""
+    """The tags of the held regions, in the order of their columns."""
 
     def to_scipy(self) -> Any:
         """A `scipy.sparse.csr_array` on the same numbers.
@@ -83,7 +82,7 @@ class Weights:
 
 @dataclass(frozen=True)
 class SurfaceInfo:
-    """What a surface is, as it was read."""
+    """Facts about a surface, as it was read."""
 
     nodes: int
     """Nodes of the deformation graph."""
@@ -100,15 +99,15 @@ class SurfaceInfo:
     loose_parts: int
     """Connected parts without a fixed or handle vertex."""
     welded: int
-    """Vertices at the place of another, which count as one."""
+    """Vertices at the position of another one, which count as one."""
     joined: int
-    """Vertices on open borders a hair from another, which count as one."""
+    """Vertices on open borders within `weld_distance` of another one, which count as one."""
     gaps: int
-    """Vertices on open borders that are close to another border, and are not joined with it."""
+    """Vertices on open borders that are close to another border, but not joined with it."""
     one_sided: int
     """Points of a cloud whose neighbours all lie along their own scan line."""
     unenclosed: int
-    """Connected parts that were to keep their volume (`elastic`) and enclose none."""
+    """Connected parts that should keep their volume (`elastic`), but enclose none."""
     isolated: int
     """Vertices without a neighbour."""
     non_manifold_edges: int
@@ -118,7 +117,7 @@ class SurfaceInfo:
     placed_nodes: int
     """How many of the given `nodes` lie on the surface, and are used."""
     seconds: float
-    """Time that preparing took."""
+    """Time of the preparation."""
 
 
 _CHANGED: Final = ("{} has been changed since it was given with copy=False: give it anew, or leave copy=False out, so that there is a "
@@ -128,7 +127,7 @@ _GRAPH_WEIGHTS = {"border": (0, False), "uniform": (1, False), "paper": (1, True
 
 @dataclass(frozen=True)
 class Plan:
-    """How a surface is prepared: after pickling again, with the same bits."""
+    """How to prepare a surface; after pickling, it is prepared again, with the same bits."""
 
     kind: Literal["held", "free", "fitted"]
     param: dict[str, Any]
@@ -137,7 +136,7 @@ class Plan:
 
 
 def renamed_weights(distances: Distances, weights: Distances | None, level: int) -> Distances:
-    """The parameter as it is called now. level: of whoever has called what has it, as of warnings.warn"""
+    """The value of `distances`, also by its old name `weights`. level: of the caller, as of warnings.warn"""
     if weights is None:
         return distances
     warnings.warn("the parameter weights is called distances now; this name goes with the next version", DeprecationWarning, level)
@@ -145,24 +144,24 @@ def renamed_weights(distances: Distances, weights: Distances | None, level: int)
 
 
 class Deformer(Unchanging):
-    """A surface or a cloud that is prepared to be deformed: read, divided into patches, its graph factorised. A pose then takes a
-    fraction of the time. Any number of threads may pose one Deformer at a time; Python's lock is free while it works. It does not change,
-    and its arrays cannot be written to. It can be pickled, and is prepared again, with the same bits, where it is used then.
+    """A surface or a cloud that is prepared to be deformed: read, divided into patches, its graph factorised. A pose then takes a fraction of
+    the time. Any number of threads may pose one Deformer at a time, without Python's lock. It does not change, and its arrays are read-only. It
+    can be pickled; the process that uses it prepares it again, with the same bits.
 
     The same input gives the same bits, for any number of threads, and the same as the filters of MeshLab give.
 
     Parameters
     ----------
     vertices : array_like or mesh
-        n x 3 coordinates, or a mesh of trimesh, pyvista, Open3D or pymeshlab. Any kind of numbers, stride, byte order; what becomes of the
-        array later does not matter.
+        n x 3 coordinates, or a mesh of trimesh, pyvista, Open3D or pymeshlab. Any kind of numbers, stride or byte order. It is copied, unless
+        `copy=False`.
     faces : array_like, optional
         m x 3 numbers of vertices, the corners of triangles. None: a cloud, or what the mesh has.
     tags : array_like, optional
         n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside (stays, and has no influence). None: all is free but the
         landmarks.
     points : array_like, optional
-        Landmarks: points that each pose puts somewhere, while the surface turns freely there. k numbers of free vertices, or k x 3 places,
+        Landmarks: points that each pose moves to a place, while the surface turns freely there. k numbers of free vertices, or k x 3 places,
         which stand for the nearest vertices.
     normals : array_like, optional
         n x 3, at rest, which poses turn with the surface. None: poses have those of their faces.
@@ -172,42 +171,41 @@ class Deformer(Unchanging):
     smoothness : float, default 0.0058
         How strongly neighbouring parts must turn alike, from 0; 0.001 is loose, 0.1 is stiff (alpha of Eq. 2 of the paper).
     falloff : {'smooth', 'linear', 'sharp', 'constant'}, default 'smooth'
-        How the motion of a handle fades towards what else is held: `smooth` evenly, `linear` straight, with the bends near both ends, `sharp`
-        to a peak at the handle, `constant` with a plateau around the handle and the bend far from it.
+        How the motion of a handle fades towards other held regions. `smooth`: evenly. `linear`: straight, with bends near both ends. `sharp`:
+        with a peak at the handle. `constant`: with a plateau around the handle, and the bend far from it.
     elastic : bool, default False
-        Each connected part of what is free keeps its volume, to a thousandth: what is squeezed gets thicker, what is pulled thinner. A cloud
+        Each connected part of the free surface keeps its volume, within a thousandth: squeezed parts get thicker, pulled ones thinner. A cloud
         and an open sheet have no volume; a VolumeWarning says so.
     rigidity : float, default 1.0
-        How much of the stiffness is against stretching, 0 to 1. 1: as rigid as possible, for what bends, as bodies do. 0: smooth, for what is
-        sheared, scaled or grown all over, as one skull to another by its landmarks; only a change of the map from place to place costs, as in
-        a thin-plate spline. Large turns need rigidity. Below 1 there is no `elastic` and no `graph_weights="printed"`.
+        Share of the stiffness against stretching, 0 to 1. 1: as rigid as possible, for shapes that bend, like bodies. 0: smooth, for shapes
+        that are sheared, scaled or grown all over, like one skull to another by its landmarks. Then only changes of the map from place to place
+        cost, as in a thin-plate spline. Large turns need rigidity. Below 1 there is no `elastic` and no `graph_weights="printed"`.
     patches : int, default 0
-        How many patches to begin with; more let the deformation bend in finer detail (k0 of sec. 2.1). 0: as many as the surface
-        needs, whatever its number of vertices: some 300 for most, 100 where little bends, up to 1500 where it is thin, folded or torn.
+        Number of patches to begin with; more let the deformation bend in finer detail (k0 of sec. 2.1). 0: as many as the surface needs,
+        whatever its number of vertices: about 300 for most, 100 if little bends, up to 1500 if it is thin, folded or torn.
     target_radius : float, default 0.0
-        How far a patch may reach from its centre, in units of the vertices, from 0. 0: from the number of patches and the area that can
-        bend (D of sec. 2.1).
+        Largest radius of a patch, in units of the vertices, from 0. 0: by the number of patches and the area that can bend (D of sec. 2.1).
     seed : int, default 1
         Chooses where the first patches are, 0 to 2147483647.
     nodes : array_like, optional
         k x 3, centres of patches to use instead of sampling, as `Graph.centers` of another Deformer.
     graph_weights : {'border', 'uniform', 'paper', 'printed'}, default 'border'
-        How strongly neighbouring patches hold together: `border` by their common border, `uniform` all alike, `paper` the same with patches
-        balanced by their vertices, `printed` the paper to the letter in all else, too (w_ij of Eq. 2, which is 1 in the paper).
+        How strongly neighbouring patches hold together (w_ij of Eq. 2). `border`: by their common border. `uniform`: all alike. `paper`: all
+        alike, with patches balanced by their vertices. `printed`: the paper to the letter, also in all else.
     distances : {'surface', 'euclidean'}, default 'surface'
-        What a node may influence: `surface` what is connected to it, `euclidean` whatever is near, as the paper has it (Eq. 8).
+        What a node influences. `surface`: near surface that is connected to it. `euclidean`: all near surface, as in the paper (Eq. 8).
     influence : float, default 4.0
-        How far a node reaches, in radii of its patch, more than 1; below about 2 the patches begin to show (Eq. 8 has 1).
+        Radius of a node's influence, in radii of its patch, more than 1. Below about 2, patches begin to show (Eq. 8 has 1).
     loose_parts : {'follow', 'stay'}, default 'follow'
-        What becomes of parts without a handle or fixed vertex: `follow` the nearest part that has one, or `stay`.
+        What parts without a handle or fixed vertex do: `follow` the nearest part with one, or `stay`.
     weld_distance : float, default 1e-06
-        Vertices on open borders that are no farther apart than this fraction of the diagonal count as one, 0 to 0.001.
+        Vertices on open borders within this fraction of the diagonal count as one, 0 to 0.001.
     max_iterations : int, default 1000
-        The shape is improved at most this often, from 1.
+        The most iterations of the solver, from 1.
     tolerance : float, default 1e-05
-        The shape is at rest when no node is farther from its final place than ten times this fraction of the diagonal, more than 0.
+        The shape is at rest if no node is farther from its final place than ten times this fraction of the diagonal, more than 0.
     threads : int, default 0
-        How many to use, for its poses, too; 0 is one a core.
+        Number of threads, also for its poses; 0 is one a core.
     progress : Progress, optional
         Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
     weights : {'surface', 'euclidean'}, optional
@@ -289,7 +287,7 @@ class Deformer(Unchanging):
         self._warn(0 if nodes is None else len(param["nodes"]))
 
     def _hold(self, tags: ArrayLike | None, points: ArrayLike | None) -> NDArray[np.int32]:
-        """Takes the points. Returns the tags."""
+        """Takes the landmarks. Returns the tags."""
         n = len(self._vertices.look())
         if points is not None:
             given = _inputs.points(points, n)
@@ -304,9 +302,8 @@ class Deformer(Unchanging):
         return _inputs.tags(np.ones(n, np.int32) if tags is None else tags, n)
 
     def with_tags(self, tags: ArrayLike | None = None, points: ArrayLike | None = None, *, progress: Progress = None) -> Deformer:
-        """The same surface with other tags or landmarks, and the same parameters. What they leave as it was is not prepared again: of each
-        region (a connected part of the free surface, with what holds it) that is the same, all is taken over. The result has the bits of a
-        Deformer that is made anew.
+        """The same surface with other tags or landmarks, and the same parameters. A region (a connected part of the free surface, with what
+        holds it) that stays the same is taken over instead of prepared again. The result has the bits of a new Deformer.
 
         Parameters
         ----------
@@ -315,12 +312,12 @@ class Deformer(Unchanging):
         points : array_like, optional
             As of Deformer.
         progress : Progress, optional
-            Told what is being done.
+            Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
 
         Returns
         -------
         Deformer
-            Another one; this one stays as it is.
+            Another Deformer; this one does not change.
 
         Raises
         ------
@@ -349,7 +346,7 @@ class Deformer(Unchanging):
     @classmethod
     def _made(cls, vertices: object, faces: object, normals: ArrayLike | None, lent: bool, threads: int, plan: Callable[[int], Plan],
               told: Report | None) -> Deformer:
-        """What is moved by something else than handles, or beside them. plan: for so many vertices"""
+        """A Deformer that something else than handles moves. plan: for a number of vertices"""
         made = cls.__new__(cls)
         made._take(vertices, faces, normals, lent, threads)
         made._plan = plan(len(made.vertices))
@@ -432,7 +429,7 @@ class Deformer(Unchanging):
         Raises
         ------
         ValueError
-            They are the caller's own array (`copy=False`), who has changed it since.
+            They are your own array (`copy=False`), and you have changed it since.
         """
         return self._vertices.look()
 
@@ -475,7 +472,7 @@ class Deformer(Unchanging):
         check: bool = True,
         progress: Progress = None,
     ) -> Pose:
-        """Moves the handles, and lets the free surface follow.
+        """Moves the handles; the free surface follows.
 
         Parameters
         ----------
@@ -484,21 +481,20 @@ class Deformer(Unchanging):
         landmarks : array_like, optional
             k x 3, where the `points` go; None: they stay.
         percent : float, default 100.0
-            How much of all motions is carried out: 0 is none, and 100 all; it may be more, or less than 0.
+            Share of all motions that is made: 0 is none, 100 is all; it may be more, or less than 0.
         steps : int, default 1
-            The pose is reached over so many at least, 1 to 1000, each bent from the one before, which finds the shape that grows out of
-            that at rest where there are several; over more where handles turn by more than 60 degrees a step.
+            The least number of steps to the pose, 1 to 1000. Each is bent from the one before. If there are several shapes, this finds the one
+            that develops continuously from rest. There are more steps if handles would turn by more than 60 degrees in one.
         start : Pose, optional
-            A pose of this Deformer to go on from, instead of from rest: handles go from there as a blend of both does.
+            A pose of this Deformer to begin from, instead of rest. Handles move from there as in a blend of both.
         out : ndarray, optional
-            n x 3 doubles, C-contiguous: written to and used for `Pose.vertices`, instead of a new array. Once it has been written to again,
-            this pose's `vertices` are an error.
+            n x 3 doubles, C-contiguous: becomes `Pose.vertices`, instead of a new array. Once you write to it again, reading this pose's
+            `vertices` is an error.
         out_normals : ndarray, optional
             The same for `Pose.normals`, which are then computed at once.
         check : bool, default True
-            Also look for what is probably not meant, and warn of it: flipped triangles, and, in a surface of at most 250 thousand
-            triangles, those that pass through others. Looking for these takes longer than the pose. `Pose.contact` and `Pose.info`
-            look for them, too.
+            Also check the pose, and warn of flipped triangles, and, in a surface of at most 250 thousand triangles, of those that pass through
+            others. In larger ones, that would take longer than the pose. `Pose.contact` and `Pose.info` look for them, too.
         progress : Progress, optional
             Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
 
@@ -509,7 +505,7 @@ class Deformer(Unchanging):
         ValueError
             An argument has the wrong shape, or is out of range, or a handle that moves does not exist.
         KeyboardInterrupt
-            Ctrl-C, at once; then `out` may have been written to, and nothing else is half done.
+            Ctrl-C, at once; `out` may have been written to, and nothing else is half done.
 
         Warns
         -----
@@ -527,9 +523,9 @@ class Deformer(Unchanging):
         steps: int = 1,
         progress: Progress = None,
     ) -> float:
-        """How much of the motions can be carried out before the surface passes through itself: the last hundredth of them that is free,
-        for `percent` of [pose][pymeshlab_fcd.Deformer.pose]. Found by bisection, in eight poses; where the surface passes through itself
-        on the way and comes out again, it is the end of one of the free parts.
+        """How much of the motions can be made before the surface passes through itself, for `percent` of [pose][pymeshlab_fcd.Deformer.pose],
+        to a hundredth of them. Found by bisection, in eight poses. If the surface passes through itself and comes out again, the result is the
+        end of one of the free ranges.
 
         Parameters
         ----------
@@ -540,14 +536,14 @@ class Deformer(Unchanging):
         percent : float, default 100.0
             How much of all motions is wanted.
         steps : int, default 1
-            Each pose is reached over so many.
+            The least number of steps to each pose.
         progress : Progress, optional
             Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
 
         Returns
         -------
         float
-            `percent`, if all of that is free; else less; 0 is rest.
+            `percent`, if all of it is free; else less; 0 is rest.
 
         Raises
         ------
@@ -591,7 +587,7 @@ class Deformer(Unchanging):
             if len(self._points) == 0:
                 raise ValueError("landmarks are where the points go: give the Deformer points, numbers of vertices or places")
             targets = _inputs.finite("landmarks", _inputs.rows("landmarks", landmarks, len(self._points), "one for each of points"))
-            if self._starts is not None:  # the vertex goes as far as the place that it is nearest to
+            if self._starts is not None:  # the vertex moves by the same vector as the place
                 targets = targets + (rest[self._points] - self._starts)
         begin: _core.Posed | None = None
         if start is not None:
@@ -610,7 +606,7 @@ class Deformer(Unchanging):
                              begin, _part(told, 0, 50))
         pose = Pose(self, solved)
         pose._write(vertices, turned, _part(told, 50, 90))
-        if level:  # else nobody asked for this very pose
+        if level:  # 0: only a trial
             pose._warn(checked, _part(told, 90, 100), level)
         return pose
 
@@ -621,12 +617,12 @@ class Deformer(Unchanging):
 
     @functools.cached_property
     def centers(self) -> Mapping[int, tuple[float, float, float]]:
-        """The mean of the vertices of each handle, by its tag: what a Motion turns and scales about."""
+        """The mean of the vertices of each handle, by its tag: the default pivot of a Motion."""
         return MappingProxyType(self._prepared.centers())
 
     @functools.cached_property
     def info(self) -> SurfaceInfo:
-        """What the surface is, as it was read."""
+        """Facts about the surface, as it was read."""
         return SurfaceInfo(**self._prepared.report())
 
     @functools.cached_property
@@ -638,11 +634,11 @@ class Deformer(Unchanging):
 
     @functools.cached_property
     def patch_of(self) -> NDArray[np.int32]:
-        """n, read-only: the patch (the node of the graph) of each vertex; -1 where it is in none."""
+        """n, read-only: the patch (the node of the graph) of each vertex; -1 if it is in none."""
         return _inputs.own(self._prepared.patch_of(), np.int32)
 
     def weights(self, *, progress: Progress = None) -> Weights:
-        """What each vertex follows.
+        """The weights by which each vertex follows nodes, held regions and landmarks.
 
         Parameters
         ----------

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files that are written, all or none."""
+"""Files that are written completely or not at all."""
 from __future__ import annotations
 
 import contextlib
@@ -13,10 +13,10 @@ from typing import BinaryIO
 
 
 def marks(path: str | os.PathLike[str]) -> set[object]:
-    """What two names have in common, at least one of these, if what is written to both ends in one file: by links, also to where nothing is
-    yet, and, on any system, where the names differ in case alone, which not all of them tell apart."""
+    """Marks of a path. Two paths that may lead to the same file share at least one: through links, also if the file does not exist yet, or if
+    the names differ in case only, which some systems ignore."""
     def known(real: str) -> object:
-        with contextlib.suppress(OSError):  # it is not there yet
+        with contextlib.suppress(OSError):  # it does not exist yet
             about = os.stat(real)
             return about.st_dev, about.st_ino
         return real
@@ -27,18 +27,18 @@ def marks(path: str | os.PathLike[str]) -> set[object]:
 
 
 def same_file(a: str | os.PathLike[str], b: str | os.PathLike[str]) -> bool:
-    """Whether what is written to both ends in one file."""
+    """Whether both paths may lead to the same file."""
     return not marks(a).isdisjoint(marks(b))
 
 
 @contextlib.contextmanager
 def alone(folder: str | os.PathLike[str]) -> Iterator[bool]:
-    """Whether no other process is in here with this folder, which it then is while this lasts, however it ends. Where the file system
-    cannot tell, none is."""
+    """Locks a folder. Yields whether no other process has the lock. It ends with this context or the process. If the file system has no locks,
+    yields True."""
     opened: int | None = None
     is_alone = True
     try:
-        if sys.platform == "win32":  # a file that goes with the process
+        if sys.platform == "win32":  # a file that vanishes with the process
             opened = os.open(os.path.join(folder, ".pymeshlab_fcd.lock"), os.O_CREAT | os.O_EXCL | os.O_TEMPORARY)
         else:
             import fcntl
@@ -47,7 +47,7 @@ def alone(folder: str | os.PathLike[str]) -> Iterator[bool]:
             fcntl.flock(opened, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except (BlockingIOError, FileExistsError):
         is_alone = False
-    except OSError:  # as of some networks
+    except OSError:  # some network file systems
         pass
     try:
         yield is_alone
@@ -57,20 +57,20 @@ def alone(folder: str | os.PathLike[str]) -> Iterator[bool]:
 
 
 class _Replacement:
-    """A file that is written beside the one that it replaces."""
+    """A new file beside the one that it replaces."""
 
     def __init__(self, name: str | os.PathLike[str]) -> None:
         self.name = os.fsdecode(name)
         self.path = os.path.realpath(self.name)
         self.beside = f"{self.path}.{os.getpid()}.{uuid.uuid4().hex}.part"
-        self.kept = ""  # what was there, by another name, while several files are replaced
+        self.kept = ""  # name of the old file while several files are replaced
         self.begun = False
-        if os.path.exists(self.path) and not os.path.isfile(self.path):  # a pipe, a device: nothing of it is replaced
+        if os.path.exists(self.path) and not os.path.isfile(self.path):  # a pipe or a device: written directly
             self.path, self.beside = self.name, ""
         self.file: BinaryIO = open(self.beside or self.path, "xb" if self.beside else "wb")
 
     def complete(self) -> None:
-        """Puts the whole content on the disk."""
+        """Writes the whole content to the disk."""
         with self.file:
             if self.beside:
                 self.file.flush()
@@ -98,7 +98,7 @@ class _Replacement:
             os.unlink(self.path)
 
     def tidy(self) -> None:
-        with contextlib.suppress(OSError):  # what could not be written is still to be flushed
+        with contextlib.suppress(OSError):  # flushes again what could not be written
             self.file.close()
         for path in (self.beside, self.kept):
             with contextlib.suppress(OSError):
@@ -108,10 +108,10 @@ class _Replacement:
 
 @contextlib.contextmanager
 def written(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[BinaryIO]]:
-    """Files that take the places of those of these names, or that the names lead to, together, when all are on the disk. After an
-    exception each is as it was."""
+    """New files for these names (or where links lead). They replace existing ones together, once all are on the disk. After an exception, each
+    is as it was."""
     made: list[_Replacement] = []
-    name: str | os.PathLike[str] | None = None  # of the file that it is about
+    name: str | os.PathLike[str] | None = None  # of the present file, for errors
     try:
         for name in paths:
             made.append(_Replacement(name))
@@ -120,7 +120,7 @@ def written(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[BinaryIO]]
         for step in (_Replacement.complete, _Replacement.keep, _Replacement.replace):
             for each in made:
                 name = each.name
-                if step is not _Replacement.keep or len(made) > 1:  # one is replaced or not
+                if step is not _Replacement.keep or len(made) > 1:  # a single file is replaced at once
                     step(each)
     except BaseException as error:
         for each in made if len(made) > 1 else []:
@@ -135,6 +135,6 @@ def written(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[BinaryIO]]
 
 
 def write(path: str | os.PathLike[str], content: bytes) -> None:
-    """Writes a file, or leaves what is there as it is."""
+    """Writes a file. If that fails, an existing one stays."""
     with written([path]) as files:
         files[0].write(content)

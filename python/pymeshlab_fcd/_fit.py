@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fitting: a surface that is laid onto another one."""
+"""Fitting a surface onto another one."""
 from __future__ import annotations
 
 import functools
@@ -23,14 +23,14 @@ from ._progress import Progress, Report, report, shared
 from ._warnings import FoldWarning, LandmarkWarning, MatchWarning, NotAtRestWarning, Told, triangles_turned, warn
 
 FitStart = Literal["as_they_lie", "landmarks_rigid", "landmarks_similar", "axes"]
-"""From where a fit begins; see [Fitter][pymeshlab_fcd.Fitter]."""
+"""How the surface is placed before a fit; see [Fitter][pymeshlab_fcd.Fitter]."""
 _STARTS: Final = ("as_they_lie", "landmarks_rigid", "landmarks_similar", "axes")  # in the order of FitStart in vcg_ext/fit.h
 
 
 @dataclass(frozen=True)
 class FitInfo(PoseInfo):
-    """What became of a fit. Lengths are in units of the vertices. `energy` and `discretisation_error` of
-    [PoseInfo][pymeshlab_fcd.PoseInfo] are not a number here: the target moves the surface, too."""
+    """The result of a fit. Lengths are in units of the vertices. `energy` and `discretisation_error` of [PoseInfo][pymeshlab_fcd.PoseInfo] are
+    not a number here, since the target moves the surface, too."""
 
     steps: int
     """Number of steps from stiff to soft."""
@@ -45,15 +45,15 @@ class FitInfo(PoseInfo):
     counted: float
     """Share of the free surface that counts, with `weights` above 0; the rest was carried along."""
     carried: int
-    """Number of separate parts without a counterpart, which the parts around carried."""
+    """Number of separate parts without a counterpart, carried by the parts around."""
     moved: float
-    """Way of the matched surface from rest, median."""
+    """How far the matched surface moved from rest, median."""
     moved_most: float
-    """The longest of these ways."""
+    """The largest of these distances."""
     guessed: float
-    """Share of the surface that is guessed, 0 to 1: it has no counterpart, and was carried along."""
+    """Share of the surface that is guessed, 0 to 1: parts without a counterpart, which were carried along."""
     guess_error: float
-    """How far the guessed surface may be off, root mean square, judged by the bends of the matched one; not a number where nothing tells."""
+    """Estimated error of the guessed surface, root mean square, judged by the bends of the matched one; not a number if that cannot be told."""
     check: tuple[float, ...]
     """Distance of each pair of `check` from where it belongs. The fit has not seen these pairs."""
     leave_one_out: tuple[float, ...]
@@ -65,9 +65,9 @@ class FitInfo(PoseInfo):
     curve_residual: float
     """The largest distance of a vertex or place of `curves` from its curve; 0 without any."""
     landmark_pull: float
-    """How far nodes gave way at most so that all landmarks are met: large if these contradict each other or the target."""
+    """The largest move of a node to meet all landmarks at the end: large if these contradict each other or the target."""
     both_ways: bool
-    """Whether places of the target drew the nearest surface, too: on request, or because it fits better."""
+    """Whether the target was also matched to the surface: on request, or because it fits better."""
     inside_out: bool
     """Whether the surface faces the other way than the target; the target's normals were then flipped."""
     contradicted: tuple[int, ...]
@@ -79,8 +79,7 @@ class FitInfo(PoseInfo):
 
 
 class Fitted(Pose):
-    """A surface that was laid onto another one, by [fit][pymeshlab_fcd.fit] or a [Fitter][pymeshlab_fcd.Fitter]. It has all that a
-    [Pose][pymeshlab_fcd.Pose] has."""
+    """A fitted surface, by [fit][pymeshlab_fcd.fit] or a [Fitter][pymeshlab_fcd.Fitter]. It has all that a [Pose][pymeshlab_fcd.Pose] has."""
 
     _report: dict[str, Any]
 
@@ -93,7 +92,7 @@ class Fitted(Pose):
 
     @functools.cached_property
     def info(self) -> FitInfo:
-        """What became of it. Measured on first use."""
+        """The result. Measured on first use."""
         told, found, contact = self._told, dict(self._report), self._contact_of(None, 4)
         for name in ("diagonal", "beyond", "alone", "landmark_remarks", "target_remarks", "is_misplaced"):
             del found[name]
@@ -103,21 +102,21 @@ class Fitted(Pose):
                        contact=contact.triangles, contact_depth=contact.largest_depth, **found)
 
     def discretisation_error(self, *, progress: Progress = None) -> float:
-        """Not a number: the target moves the surface, too, and not Eq. 2 alone.
+        """Not a number, since the target moves the surface, and not only Eq. 2.
 
         Parameters
         ----------
         progress : Progress, optional
-            Told nothing.
+            Not used.
         """
         return math.nan
 
     def _words(self, folded: int) -> list[Told]:
-        """What is not to be trusted, in words."""
+        """Warnings of what not to trust."""
         told = self._report
         found: list[Told] = [(LandmarkWarning, text) for text in told["landmark_remarks"]]
         found += [(MatchWarning, text) for text in told["target_remarks"]]
-        if told["matched"] < 0.3 and not told["alone"]:  # then most of the shape is a guess
+        if told["matched"] < 0.3 and not told["alone"]:  # most of the shape is a guess
             found.append((MatchWarning, f"Only {100 * told['matched']:g} percent of the surface have a counterpart: do not trust the rest. Lay "
                                         "the surfaces onto each other first, give landmarks, or raise largest_distance or largest_angle."))
         if told["guessed"] > 0.05 and told["guess_error"] > 0.01 * told["diagonal"]:  # 1 %: no hand misses so much
@@ -134,9 +133,9 @@ class Fitted(Pose):
 
 
 class Fitter(Unchanging):
-    """A surface or a cloud, prepared once and laid onto others as often as wanted. Any number of threads may fit one Fitter at a time, and
-    Python's lock is free meanwhile. The same input gives the same bits, for any number of threads. A Fitter can be pickled; the process that
-    uses it prepares it again.
+    """A surface or a cloud, prepared once and fitted onto others as often as wanted. Any number of threads may fit one Fitter at a time,
+    without Python's lock. The same input gives the same bits, for any number of threads. A Fitter can be pickled; the process that uses it
+    prepares it again.
 
     Parameters
     ----------
@@ -149,37 +148,37 @@ class Fitter(Unchanging):
     transforms : Transforms, optional
         `{tag: 4 x 4 matrix or Motion}` of handles, which move as they are told; other handles stay.
     normals : array_like, optional
-        n x 3, at rest, which turn with the surface, and tell the sides of a cloud apart. None: those of its faces.
+        n x 3, at rest. They turn with the surface, and tell the sides of a cloud apart. None: those of its faces.
     weights : array_like, optional
-        n numbers from 0 to 1, or a mask: how much the match of each vertex counts. A vertex of weight 0 is not matched, but carried along,
-        as a part that the target lacks. None: all counts. Whatever its weight, a separate part without a counterpart is carried by the
-        parts around it.
+        n numbers from 0 to 1, or a mask: how much the match of each vertex counts. Vertices of weight 0 are carried along, not matched: use it
+        for parts that the target lacks. None: all counts. Separate parts without a counterpart are carried by the parts around them, whatever
+        their weights.
     copy : bool, default True
         False: `vertices` and `normals` are referred to instead of copied, as by a [Deformer][pymeshlab_fcd.Deformer].
     start : {'as_they_lie', 'landmarks_rigid', 'landmarks_similar', 'axes'}, default 'as_they_lie'
-        How all of the surface is moved first. `as_they_lie`: not at all. Only this one goes with fixed vertices or handles. Without an overlap
-        and landmarks, the surface is moved onto the target's middle (`FitInfo.from_afar`). If the fit then leaves it strained, it is tried
-        turned by its axes and scaled, and a MatchWarning says which. `landmarks_rigid`, `landmarks_similar` (with a scale): by the landmarks, at
-        least three. `axes`: middle onto middle and principal axes onto principal axes, in the best of 24 ways.
+        How the whole surface is first moved. `as_they_lie`: not at all; the only choice with fixed vertices or handles. Without an overlap and
+        landmarks, the surface is moved onto the target's middle (`FitInfo.from_afar`). If the fit then leaves it strained, it is tried turned
+        by its axes and scaled, and a MatchWarning says which. `landmarks_rigid`, `landmarks_similar` (with a scale): by the landmarks, at least
+        three. `axes`: middle onto middle and principal axes onto principal axes, in the best of 24 ways.
     stiffness : float, default 1.0
         How rigid the surface is in the end, more than 0: 1 is the default, 10 is stiff.
     rigidity : float, default 1.0
-        How much of the stiffness is against stretching, 0 to 1. 1: as rigid as possible, for shapes that bend, as bodies do. 0: smooth, for
-        shapes that are sheared, scaled or grown all over, as one skull to another. Only changes of the map from place to place cost then, as
-        in a thin-plate spline. Large turns need rigidity.
+        Share of the stiffness against stretching, 0 to 1. 1: as rigid as possible, for shapes that bend, like bodies. 0: smooth, for shapes
+        that are sheared, scaled or grown all over, like one skull to another. Then only changes of the map from place to place cost, as in a
+        thin-plate spline. Large turns need rigidity.
     largest_distance : float, default 0.0
         A place farther than this from the target, in units of the vertices, has no counterpart. 0: no limit.
     largest_angle : float, default 70.0
         In degrees, more than 0 to 180: a place of the target whose normal differs by more is no counterpart.
     landmarks_only : bool, default False
-        The surface follows its landmarks alone, as rigidly as `rigidity` says; a target is not needed.
+        The surface only follows its landmarks, as rigidly as `rigidity` says; no target is needed.
     both_ways : bool, default False
-        Whether places of the target without surface near draw the nearest surface, too. So thin, long parts are reached. Leave it off if the
-        target has parts that the surface lacks. False: tried if parts of the target are left, and kept if none are left then and more of
-        the surface has a counterpart.
+        Whether the target is also matched to the surface: places of it without surface nearby draw the nearest one. So thin, long parts are
+        reached. Leave it off if the target has parts that the surface lacks. False: tried if parts of the target are not reached; kept if then
+        all are, and more of the surface has a counterpart.
     landmark_tolerance : float, default 0.0
-        How far a landmark may stay from where it belongs, in units of the vertices. 0: it is exact, if the graph is fine enough. Above 0, pairs
-        that the others contradict are left out (`FitInfo.contradicted`).
+        How far a landmark may stay from its target, in units of the vertices. 0: it is exact, if the graph is fine enough. Above 0, pairs that
+        the others contradict are left out (`FitInfo.contradicted`).
     patches : int, default 150
         How many patches to begin with, from 1.
     smoothness : float, default 0.0058
@@ -253,7 +252,7 @@ class Fitter(Unchanging):
 
     @property
     def deformer(self) -> Deformer:
-        """The surface: its `vertices`, `faces`, `graph`, and what it is (`info`)."""
+        """The surface: its `vertices`, `faces`, `graph`, and facts about it (`info`)."""
         return self._deformer
 
     def fit(
@@ -269,13 +268,12 @@ class Fitter(Unchanging):
         curves: Curve | Sequence[Curve | Sequence[ArrayLike]] | None = None,
         progress: Progress = None,
     ) -> Fitted:
-        """Lays the surface onto another one, from rest.
+        """Fits the surface onto another one, from rest.
 
         Parameters
         ----------
         target_vertices : array_like or mesh, optional
-            k x 3, or a mesh as of `vertices`. It is not changed. Vertices that are not finite are left out. With
-            `landmarks_only`, it is not looked at: None.
+            k x 3, or a mesh as of `vertices`. It is not changed. Vertices that are not finite are left out. Not read with `landmarks_only`.
         target_faces : array_like, optional
             m x 3 numbers of its vertices; None: a cloud, or what the mesh has.
         landmarks : Sequence[array_like], optional
@@ -302,7 +300,7 @@ class Fitter(Unchanging):
         Returns
         -------
         Fitted
-            Where the vertices went, `Fitted.vertices`, and how good the fit is, `Fitted.info`.
+            The fitted vertices, `Fitted.vertices`, and how good the fit is, `Fitted.info`.
 
         Raises
         ------
@@ -353,14 +351,14 @@ class Fitter(Unchanging):
         positions, corners = (np.zeros((0, 3)), None) if target is None else _meshes.surface(target, faces, "target_")[1:]
         if len(positions) == 0:
             raise ValueError("the target has no vertices; give a surface, or points, as target_vertices")
-        if normals is not None:  # those of points that are not finite do not count
+        if normals is not None:  # normals of points that are not finite are not read
             normals = _inputs.rows("target_normals", normals, len(positions), "one for each of target_vertices")
             normals = np.where(np.isfinite(positions).all(axis=1, keepdims=True), normals, 0.0)
         return {"vertices": positions, "faces": corners, "weights": _inputs.weights(weights, len(positions), "target_weights"),
                 "normals": None if normals is None else _inputs.normals(normals, len(positions), "target_normals")}
 
     def _pairs(self, name: str, pairs: Sequence[ArrayLike] | None) -> tuple[NDArray[np.int64], Points]:
-        """Numbers of vertices, and where they belong."""
+        """Numbers of vertices, and their targets."""
         if pairs is None:
             return np.zeros(0, np.int64), np.zeros((0, 3))
         if not isinstance(pairs, (tuple, list)) or len(pairs) != 2:
@@ -380,13 +378,13 @@ class Fitter(Unchanging):
 
     def _curves(self, curves: Curve | Sequence[Curve | Sequence[ArrayLike]] | None,
                 told: Report | None) -> list[tuple[NDArray[np.int64], Points, Points]]:
-        """Of each, numbers of vertices, corners, and from the vertices to the places."""
+        """For each curve: numbers of vertices, corners on the target, and the vectors from the vertices to their places."""
         found, lines = [], {}
         for k, curve in enumerate([curves] if isinstance(curves, Curve) else () if curves is None else curves):
             if isinstance(curve, Curve):
                 source, corners = _corners(f"the source of curve {k}", curve.source), _corners(f"the target of curve {k}", curve.target)
                 lines[k] = str(curve.name).encode("utf-8", "replace"), curve._file, curve._lines, source, corners
-                found.append((np.zeros(0, np.int64), corners, source))  # until it is known what goes along it
+                found.append((np.zeros(0, np.int64), corners, source))  # the loop below replaces it
                 continue
             if not isinstance(curve, (tuple, list)) or len(curve) != 2:
                 raise TypeError(f"curve {k} must be a pair: (numbers of vertices or places, k x 3 corners on the target)")
@@ -407,7 +405,7 @@ class Fitter(Unchanging):
 
 
 def _corners(name: str, values: object) -> Points:
-    """Of a polyline."""
+    """The corners of a polyline."""
     corners = _inputs.finite(name, _inputs.rows(name, values))
     if len(corners) < 2:
         raise ValueError(f"{name} has {len(corners)} corners; give two at least, in order")
@@ -446,7 +444,7 @@ def fit(
     threads: int = 0,
     progress: Progress = None,
 ) -> Fitted:
-    """Lays a surface onto another one: bends it, as rigidly as possible, until it lies on triangles or points. Parts without a counterpart
+    """Fits a surface onto another one: deforms it, as rigidly as possible, until it lies on triangles or points. Parts without a counterpart
     are carried along. This is a [Fitter][pymeshlab_fcd.Fitter] and its [fit][pymeshlab_fcd.Fitter.fit] in one call; their reference explains
     all parameters. Meshes of other libraries bring their faces: `fit(mesh, target)`, or `fit(mesh, target_vertices, target_faces)`.
 
@@ -479,7 +477,7 @@ def fit(
     leave_one_out : bool, default False
         Also fits without each landmark: `FitInfo.leave_one_out`.
     curves : Sequence[Sequence[array_like]], optional
-        Pairs of curves that slide along each other: vertices and the corners of a polyline, as of `Fitter.fit`, or what `read_curves` reads.
+        Pairs of curves that slide along each other: vertices and the corners of a polyline, as of `Fitter.fit`, or from `read_curves`.
     start : {'as_they_lie', 'landmarks_rigid', 'landmarks_similar', 'axes'}, default 'as_they_lie'
         `as_they_lie`, `landmarks_rigid`, `landmarks_similar` or `axes`.
     stiffness : float, default 1.0
@@ -487,15 +485,15 @@ def fit(
     rigidity : float, default 1.0
         1: as rigid as possible; 0: smooth, for what is sheared or scaled all over.
     largest_distance : float, default 0.0
-        What is farther from the target has no counterpart there. 0: no limit.
+        Places farther from the target have no counterpart there. 0: no limit.
     largest_angle : float, default 70.0
-        Of the normals of counterparts, in degrees.
+        The largest angle between the normals of counterparts, degrees.
     landmarks_only : bool, default False
-        The surface follows its landmarks alone; `target_vertices` may be None.
+        The surface only follows its landmarks; `target_vertices` may be None.
     both_ways : bool, default False
-        The target also draws the nearest surface to places without any. False: only if that fits better.
+        The target is also matched to the surface. False: only if that fits better.
     landmark_tolerance : float, default 0.0
-        How far a landmark may stay from where it belongs. 0: it is exact.
+        How far a landmark may stay from its target. 0: it is exact.
     patches : int, default 150
         How many patches to begin with.
     smoothness : float, default 0.0058
@@ -514,8 +512,8 @@ def fit(
     Returns
     -------
     Fitted
-        Where the vertices went, `Fitted.vertices`: the same bits as those of the filter `generate_fcd_fitted_mesh`. Its `map` carries other
-        points along, and its `deformation` can be saved.
+        The fitted vertices, `Fitted.vertices`: the same bits as those of the filter `generate_fcd_fitted_mesh`. Its `map` carries other points
+        along, and its `deformation` can be saved.
 
     Raises
     ------

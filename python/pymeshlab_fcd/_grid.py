@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Deformations as displacements on a grid, for volumes and for programs that read these."""
+"""Deformations as displacements on a grid, for programs that deform volumes."""
 from __future__ import annotations
 
 import os
@@ -21,37 +21,36 @@ class DisplacementGrid:
     `origin + spacing * (i, j, k)`."""
 
     displacements: NDArray[np.float64]
-    """a x b x c x 3: from each point to where it goes, by the numbers of the point along x, y and z."""
+    """a x b x c x 3: the displacement of each point, by its numbers along x, y and z."""
     origin: tuple[float, float, float]
     """The first point."""
     spacing: tuple[float, float, float]
-    """From each point to the next along x, y and z."""
+    """Distances of neighbouring points along x, y and z."""
     axes: Axes
-    """Where the coordinates look to: `RAS` to the right, the front and above, `LPS` to the left, the back and above."""
+    """The directions of the axes: `RAS` is right, front and up, `LPS` is left, back and up."""
     kind: GridKind
-    """`modeling`: to where points of the surface at rest go. `resampling`: from where a volume is to be taken, for each point of the
-    result."""
+    """`modeling`: displacements of points at rest. `resampling`: from each point of the resulting volume to where its value is taken."""
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """To a file, in single precision. What is there is replaced at once, when all is on the disk, and otherwise stays.
+        """Writes a file, in single precision. An existing one is replaced once all is on the disk; if that fails, it stays.
 
         Parameters
         ----------
         path : path
-            `.nrrd`, for ITK and Slicer: the grid and its vectors in LPS, with its `displacement field type`. `.vti`, for VTK and ParaView:
-            the point data `displacement`, in the axes that the grid has.
+            `.nrrd`, for ITK and Slicer: the grid and its vectors in LPS, with its `displacement field type`. `.vti`, for VTK and ParaView: the
+            point data `displacement`, in the grid's axes.
 
         Raises
         ------
         ValueError
-            The name ends otherwise, or single precision does not hold the displacements.
+            The name has another ending, or the displacements exceed single precision.
         OSError
-            It cannot be written, as where the disk is full.
+            It cannot be written, for example since the disk is full.
         """
         ending = os.path.splitext(os.fsdecode(path))[1].lower()
         if ending not in (".nrrd", ".vti"):
             raise ValueError(f"a grid is written as .nrrd or .vti, and not as {ending or 'a file without an ending'}")
-        # x runs fastest, in both formats.
+        # In both formats, x runs fastest.
         flip = np.array([-1.0, -1.0, 1.0]) if ending == ".nrrd" and self.axes == "RAS" else np.ones(3)
         with np.errstate(over="ignore"):
             data = np.ascontiguousarray((self.displacements * flip).transpose(2, 1, 0, 3), "<f4")

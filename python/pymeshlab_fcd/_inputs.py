@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What callers may give, looked at once: each value is taken as it is, or an error says what to give instead."""
+"""Checks of arguments: each is converted, or an error says what to give instead."""
 from __future__ import annotations
 
 import math
@@ -19,14 +19,14 @@ _LAST_INT32: Final = 2**31 - 1
 
 
 def own(array: NDArray[Any], dtype: type[np.generic]) -> NDArray[Any]:
-    """A copy that nobody else has, and nobody can write to: of a view, that cannot be taken back."""
+    """A copy of our own that nobody can write to. (A view, since its flag cannot be set back.)"""
     copy = np.array(array, dtype=dtype, order="C", copy=True)
     copy.flags.writeable = False
     return copy.view()
 
 
 def rows(name: str, values: object, count: int | None = None, what: str = "one row per point", lent: bool = False) -> Points:
-    """n x 3 doubles, C-contiguous: a copy, or, if it may be lent, the caller's own array where it is that."""
+    """n x 3 doubles, C-contiguous: a copy, or, if `lent`, the caller's own array if it has this form."""
     array = plain(name, values)
     if array.dtype.kind == "b":
         raise TypeError(f"{name} must be coordinates, not a mask")
@@ -38,7 +38,7 @@ def rows(name: str, values: object, count: int | None = None, what: str = "one r
 
 
 def normals(values: object, count: int, name: str = "normals", lent: bool = False) -> Points:
-    """Normals at rest: of any length that single precision can square, or 0."""
+    """Normals at rest, of any length whose square single precision holds, or 0."""
     array = rows(name, values, count, "one for each vertex", lent)
     largest = np.abs(array).max(axis=1, initial=0)
     if not (((largest >= 1e-15) & (largest <= 1e15)) | (largest == 0)).all():
@@ -47,7 +47,7 @@ def normals(values: object, count: int, name: str = "normals", lent: bool = Fals
 
 
 def written(name: str, array: object, count: int) -> Points:
-    """An array of the caller's to write to."""
+    """The caller's array, checked for writing."""
     if not isinstance(array, np.ndarray) or array.dtype != np.float64 or array.shape != (count, 3):
         raise TypeError(f"{name} must be an array of numpy to write to, {count} x 3 doubles: np.empty(({count}, 3))")
     if not (array.flags.c_contiguous and array.flags.writeable and array.dtype.isnative and array.flags.aligned):
@@ -56,7 +56,7 @@ def written(name: str, array: object, count: int) -> Points:
 
 
 def triangles(values: object, vertices: int, name: str = "faces") -> NDArray[np.uint32] | None:
-    """A copy of m x 3 numbers of vertices; None where there are none."""
+    """A copy of m x 3 numbers of vertices; None if there are none."""
     if values is None:
         return None
     array = plain(name, values)
@@ -71,7 +71,7 @@ def triangles(values: object, vertices: int, name: str = "faces") -> NDArray[np.
     corners: NDArray[np.uint32] | None = None
     if array.min() >= 0 and array.max() < vertices:
         corners = own(array, np.uint32)
-    if corners is None or corners.max() >= vertices:  # what another thread has written meanwhile, too
+    if corners is None or corners.max() >= vertices:  # checked again: another thread may have written meanwhile
         raise ValueError(f"{name} must hold numbers of vertices, 0 to {vertices - 1}; it holds {array.min()} to {array.max()}")
     return corners
 
@@ -93,7 +93,7 @@ def tags(values: object, vertices: int) -> NDArray[np.int32]:
 
 
 def weights(values: object, vertices: int, name: str = "weights") -> NDArray[np.float64] | None:
-    """A number from 0 to 1 per vertex; a mask, too."""
+    """A number from 0 to 1 per vertex; may be a mask."""
     if values is None:
         return None
     array = plain(name, values)
@@ -115,7 +115,7 @@ def number(name: str, value: object) -> float:
 
 
 def accuracy(value: object) -> float:
-    """That of a saved deformation."""
+    """The accuracy of a saved deformation."""
     given = number("accuracy", value)
     if not 0 <= given < math.inf:
         raise ValueError(f"accuracy must be a positive number, in world units, or 0, so that the largest motion sets it; it is {given}")
@@ -141,7 +141,7 @@ def whole(name: str, value: object, low: int, high: int = _LAST_INT32) -> int:
 
 
 def choice(name: str, value: object, options: Sequence[str]) -> int:
-    """The place of one of some words."""
+    """The index of a word in the options."""
     if not isinstance(value, str) or value not in options:
         kind = TypeError if not isinstance(value, str) else ValueError
         raise kind(f"{name} must be one of {', '.join(map(repr, options))}; it is {value!r}")
@@ -160,7 +160,7 @@ def _motion(tag: int, value: object) -> Motion:
 
 
 def transforms(given: object, handles: Sequence[int] | None) -> list[tuple[int, str]]:
-    """The steps of the handles that move. handles: those that there are; None: not known."""
+    """The tags of the handles that move, with their steps. handles: existing ones; None: not known"""
     if given is None:
         return []
     if not isinstance(given, Mapping):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is kept: arrays, our own or the caller's, which are looked at before each use, and objects that do not change."""
+"""Objects that do not change, and arrays that are checked for changes before each use."""
 from __future__ import annotations
 
 import numpy as np
@@ -9,7 +9,7 @@ from ._inputs import Points
 
 
 class Unchanging:
-    """What does not change: none of its public names can be assigned or deleted."""
+    """Base of classes whose public names can neither be assigned nor deleted."""
 
     def __setattr__(self, name: str, value: object) -> None:
         self._expect_own(name)
@@ -25,13 +25,12 @@ class Unchanging:
 
 
 class Kept:
-    """Rows of three doubles that are shown and cannot be written to. lent: why a caller's own array is no longer what it was; None where
-    nobody else has it."""
+    """Rows of three doubles, shown read-only. lent: the error if a caller's own array has changed; None for an array of our own"""
 
     def __init__(self, array: Points, lent: str | None = None, threads: int = 0) -> None:
         self._array, self._lent, self._threads = array, lent, threads
         if lent is None:
-            array.flags.writeable = False  # of a view, nobody can take that back
+            array.flags.writeable = False  # views are shown: their flag cannot be set back
         else:
             self._mark = self._mark_now()
         self._view = self._show()
@@ -49,7 +48,7 @@ class Kept:
         return address, array.shape, _core.checksum(array, self._threads)
 
     def look(self) -> Points:
-        """The array, read-only. Raises ValueError where the caller has changed it."""
+        """The array, read-only. Raises ValueError if the caller has changed it."""
         if self._lent is None:
             return self._view
         if self._mark_now() != self._mark:
@@ -57,6 +56,6 @@ class Kept:
         return self._view
 
     def given_away(self) -> Points:
-        """Our own array, for the caller to write to; it is not kept any more."""
+        """Our own array, given to the caller, who may write to it."""
         self._array.flags.writeable = True
         return self._array

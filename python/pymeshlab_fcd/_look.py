@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What meshes look like in files of animations."""
+"""Colours and textures of meshes in files of animations."""
 from __future__ import annotations
 
 import os
@@ -24,38 +24,38 @@ Texture = Union[str, "os.PathLike[str]", bytes]
 
 @dataclass(frozen=True, eq=False)
 class Look:
-    """What a mesh looks like in a `.glb` file. What is None is not there."""
+    """Colours and textures of a mesh in a `.glb` file. None: without."""
 
     colors: ArrayLike | None = None
-    """n x 3 or n x 4: red, green, blue (and opacity) of each vertex, as they are seen (sRGB): whole numbers from 0 to 255, or others from 0
-    to 1. Faces with a texture have that alone."""
+    """n x 3 or n x 4: red, green, blue (and opacity) of each vertex, as they are seen (sRGB): whole numbers from 0 to 255, or others from 0 to
+    1. Faces with a texture only have that."""
     face_colors: ArrayLike | None = None
-    """m x 3 or m x 4: the same of each face; not with `colors`. Vertices between faces of several colours are there once for each."""
+    """m x 3 or m x 4: the same of each face; not with `colors`. Vertices between faces of several colours are repeated for each."""
     uv: ArrayLike | None = None
     """Texture coordinates, u to the right and v upwards: n x 2, one row for each vertex, or m x 3 x 2, of the corners of each face. Vertices
-    whose corners differ are there once for each."""
+    whose corners differ are repeated for each."""
     textures: Sequence[Texture] = ()
-    """PNG or JPEG images: files, or the bytes of such. They are copied as they are, each into a material."""
+    """PNG or JPEG images: files, or their bytes. Each is copied unchanged, into a material."""
     face_textures: ArrayLike | None = None
     """m whole numbers: the texture of each face, from 0; -1 for none. None: all have the first."""
 
 
 @dataclass(frozen=True, eq=False)
 class Companion:
-    """Another mesh, or a cloud, that goes along in an animation, as eyes in a head do. [Pose.map][pymeshlab_fcd.Pose.map] takes its vertices."""
+    """Another mesh, or a cloud, that moves along in an animation, like eyes in a head, by [Pose.map][pymeshlab_fcd.Pose.map]."""
 
     vertices: ArrayLike | MeshLike
     """n x 3, in the space of the Deformer's; or a mesh of another library, without faces then."""
     faces: ArrayLike | None = None
     """m x 3; None: a cloud."""
     name: str = "companion"
-    """That the file gives it."""
+    """Its name in the file."""
     look: Look = field(default_factory=Look)
-    """What it looks like."""
+    """Its colours and textures."""
 
 
 def look_of(look: object, name: str, vertices: int, faces: NDArray[np.uint32] | None) -> _Told:
-    """Name and look, as the extension takes them."""
+    """Name and look, for the extension."""
     if not isinstance(look, Look):
         raise TypeError(f"look must be a Look, as Look(colors=...); it is a {type(look).__name__}")
     count = 0 if faces is None else len(faces)
@@ -74,7 +74,7 @@ def look_of(look: object, name: str, vertices: int, faces: NDArray[np.uint32] | 
 
 
 def other_of(given: object) -> _Other:
-    """A mesh that goes along, as the extension takes it."""
+    """A companion, for the extension."""
     if not isinstance(given, Companion):
         raise TypeError(f"others must be Companions, as Companion(vertices, faces); there is a {type(given).__name__}")
     _, positions, faces = _meshes.surface(given.vertices, given.faces, "the companion's ")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The mean of shapes whose vertices belong together: generalized Procrustes analysis (Gower 1975)."""
+"""The mean of shapes with corresponding vertices: generalized Procrustes analysis (Gower 1975)."""
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ._inputs import Points
 
-# Of the size of the mean: it has come to rest. Far below what any scan is off by.
+# Largest move of the mean at rest, over its size: far below the errors of scans.
 _STILL: Final = 1e-7
 _MOST_PASSES: Final = 50  # it mostly comes to rest in four
 
@@ -19,13 +19,13 @@ class Mean(NamedTuple):
     """The mean of shapes."""
 
     vertices: Points
-    """n x 3, where the first one lies."""
+    """n x 3, placed as the first shape."""
     apart: NDArray[np.float64]
-    """How far each shape is from it, root mean square of its vertices after it was laid onto it."""
+    """Distance of each shape, laid onto the mean, from it: root mean square over the vertices."""
 
 
 def _laid(shape: Points, onto: Points, size: float | None) -> Points:
-    """A shape by the rigid motion that brings it nearest to another one, which lies about 0. size: scaled to that, too."""
+    """A shape, moved rigidly as near as possible to another one, which is centred at 0. size: if given, the shape is scaled to it"""
     centred = shape - shape.mean(axis=0)
     u, _, v = np.linalg.svd(centred.T @ onto)
     turned: Points = centred @ (u @ np.diag([1.0, 1.0, np.linalg.det(u @ v)]) @ v)
@@ -37,12 +37,12 @@ def _size(centred: Points) -> float:
 
 
 def mean_shape(shapes: Sequence[Callable[[], Points]], scaled: bool) -> Mean:
-    """The shape that all are nearest to, each laid onto it by a rigid motion.
+    """The mean shape, with each shape laid onto it by a rigid motion.
 
     Parameters
     ----------
     shapes
-        What gives each, n x 3; called once in each pass, so that one after the other is in memory.
+        Each returns a shape, n x 3. It is called once in each pass, so that only one is in memory.
     scaled
         Each is first scaled to the mean of their sizes.
     """
@@ -57,7 +57,7 @@ def mean_shape(shapes: Sequence[Callable[[], Points]], scaled: bool) -> Mean:
         total = np.zeros_like(mean)
         for shape in shapes:
             total += _laid(shape(), mean, size)
-        # Where the first one lies: else the mean may drift.
+        # Placed as the first one: otherwise the mean may drift.
         found = _laid(total / len(shapes), first - place, size)
         moved = _size(found - mean)
         mean = found

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Measurements that are carried with a mesh: named once on its vertices, taken wherever these have gone."""
+"""Measurements of a mesh: defined once on its vertices, and taken of each result."""
 from __future__ import annotations
 
 import os
@@ -20,25 +20,25 @@ class Measure(NamedTuple):
 
     name: str
     kind: str
-    """`distance`, straight from one to the other; `length`, along edges; `girth`, along edges and back to the first one."""
+    """`distance`: the straight line between two; `length`: along edges; `girth`: along edges and back to the first one."""
     vertices: NDArray[np.int64]
 
     def of(self, places: Points) -> float:
-        """In units of the places, which are n x 3."""
+        """The length, in units of places (n x 3)."""
         way = places[self.vertices]
         ends = np.roll(way, -1, axis=0) if self.kind == "girth" else way[1:]
         return float(lengths(ends - way[:len(ends)]).sum())
 
 
 def read(path: str | os.PathLike[str]) -> list[Measure]:
-    """Of a file with a line for each: name, kind, numbers of vertices from 0; lines that begin with # are comments.
+    """Reads measurements from a file, a line for each: name, kind, numbers of vertices from 0. Lines that begin with # are comments.
 
     Raises
     ------
     OSError
         It cannot be read.
     ValueError
-        A line is none of these; the message names it.
+        A line is wrong; the message names it.
     """
     found: list[Measure] = []
     for where, row in _tables.rows(path):
@@ -60,19 +60,19 @@ def read(path: str | os.PathLike[str]) -> list[Measure]:
 
 
 def take(measures: list[Measure], places: Points, faces: NDArray[np.int64] | None) -> dict[str, float]:
-    """All of them, by name.
+    """Takes all measurements, by name.
 
     Parameters
     ----------
     places
         n x 3.
     faces
-        m x 3; what goes along edges must go along theirs. None: a cloud, where it goes straight from point to point.
+        m x 3; lengths and girths must follow their edges. None: a cloud, where they go straight from point to point.
 
     Raises
     ------
     ValueError
-        A number is that of no vertex, or two vertices of an edge are not joined.
+        A vertex does not exist, or no edge joins two successive vertices.
     """
     edges: NDArray[np.int64] | None = None
     for each in measures:
@@ -92,6 +92,6 @@ def take(measures: list[Measure], places: Points, faces: NDArray[np.int64] | Non
 
 
 def _numbered(pairs: NDArray[np.int64], count: int) -> NDArray[np.int64]:
-    """A number for the two vertices of each, in either order."""
+    """A number for each pair of vertices, independent of their order."""
     numbered: NDArray[np.int64] = pairs.min(axis=1) * np.int64(count) + pairs.max(axis=1)
     return numbered

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes and clouds of other libraries, taken as they are and given back as copies of their kind. None of them is imported
-before an object of it comes along."""
+"""Meshes and clouds of other libraries: read, and returned as copies of the same kind. A library is only imported to make one of its
+objects."""
 from __future__ import annotations
 
 import copy
@@ -17,7 +17,7 @@ Taken = tuple[Any, Any]  # vertices, faces
 
 
 class HasVertices(Protocol):
-    """A mesh or cloud of trimesh (`vertices`, `faces`), a mesh of Open3D (`vertices`, `triangles`), and whatever is like it."""
+    """A mesh or cloud of trimesh (`vertices`, `faces`), a mesh of Open3D (`vertices`, `triangles`), or a similar object."""
 
     @property
     def vertices(self) -> Any:
@@ -43,11 +43,11 @@ class HasVertexMatrix(Protocol):
 
 
 MeshLike = Union[HasVertices, HasPoints, HasVertexMatrix]
-"""A mesh or a cloud of trimesh, pyvista, Open3D or pymeshlab, or of whatever is like one of them."""
+"""A mesh or a cloud of trimesh, pyvista, Open3D or pymeshlab, or a similar object."""
 
 
 def taken(mesh: object) -> Taken | None:
-    """Vertices and faces of an object of another library; None where it is none of those that are known."""
+    """Vertices and faces of an object of another library; None for arrays. Raises TypeError for other objects."""
     given: Any = mesh
     if isinstance(mesh, (np.ndarray, list, tuple)) or mesh is None:
         return None
@@ -58,7 +58,7 @@ def taken(mesh: object) -> Taken | None:
         return given.points, given.regular_faces if has_faces else None
     if hasattr(mesh, "triangles") and hasattr(mesh, "vertices") and not hasattr(mesh, "faces"):  # Open3D
         return np.asarray(given.vertices), np.asarray(given.triangles)
-    if hasattr(mesh, "vertices"):  # trimesh, and whatever is like it
+    if hasattr(mesh, "vertices"):  # trimesh, and similar objects
         return given.vertices, getattr(given, "faces", None)
     if hasattr(mesh, "vertex_matrix") and hasattr(mesh, "face_matrix"):  # pymeshlab
         return given.vertex_matrix(), given.face_matrix()
@@ -71,7 +71,7 @@ def taken(mesh: object) -> Taken | None:
 
 
 def surface(vertices: object, faces: object, whose: str = "", lent: bool = False) -> tuple[object, Points, NDArray[np.uint32] | None]:
-    """The mesh of another library, if it is one; positions, corners."""
+    """The mesh of another library or None, its positions, and its corners."""
     mesh: object = None
     found = taken(vertices)
     if found is not None:
@@ -84,7 +84,7 @@ def surface(vertices: object, faces: object, whose: str = "", lent: bool = False
 
 
 def is_beside_mesh(vertices: object, other: object) -> bool:
-    """Whether other, given where faces are, is what follows a mesh, which has its own."""
+    """Whether vertices are a mesh, and other, in the place of faces, is the next argument."""
     found = taken(vertices)
     if found is None or other is None:
         return False
@@ -96,11 +96,11 @@ def is_beside_mesh(vertices: object, other: object) -> bool:
 
 
 def beside(vertices: object, faces: object, other: object, other_faces: object) -> tuple[object, object, object]:
-    """The faces of a surface, another surface and its faces, of four arguments in this order. Where the first is a mesh, which has its own
-    faces, the others may stand one place farther ahead."""
+    """The faces of a surface, another surface, and its faces, from four arguments in this order. If the first is a mesh, which has its own
+    faces, the others may come one place earlier."""
     if not is_beside_mesh(vertices, faces):
         return faces, other, other_faces
-    if other is None:  # the other one's faces, if there are any, by their name
+    if other is None:  # the other faces, if any, were given by name
         return None, faces, other_faces
     return (None, faces, other) if other_faces is None else (faces, other, other_faces)
 
@@ -118,7 +118,7 @@ def _is_pyvista(mesh: object) -> bool:
 
 
 def posed(mesh: object, vertices: Points, faces: NDArray[np.uint32] | None, normals: Points | None) -> Any:
-    """A copy of a mesh that was taken, with these faces then, with other vertices, and with other normals where it stores any."""
+    """A copy of a mesh with other vertices, and with other normals if it stores any. faces: as they were read"""
     given: Any = mesh
     now = taken(mesh)
     corners = None if now is None or now[1] is None or np.size(now[1]) == 0 else np.asarray(now[1])
@@ -142,7 +142,7 @@ def posed(mesh: object, vertices: Points, faces: NDArray[np.uint32] | None, norm
         cloud = hasattr(mesh, "has_points")
         setattr(other, "points" if cloud else "vertices", vectors(vertices))
         has = other.has_normals() if cloud else other.has_vertex_normals()
-        if has:  # none: those at rest are left out
+        if has:  # without new ones, those at rest are removed
             setattr(other, "normals" if cloud else "vertex_normals", vectors(np.zeros((0, 3)) if normals is None else normals))
         if not cloud and other.has_triangle_normals():
             other.compute_triangle_normals()
@@ -155,8 +155,8 @@ def posed(mesh: object, vertices: Points, faces: NDArray[np.uint32] | None, norm
 
 
 def _turn(data: Any, normals: Points | None, rest: Points | None = None) -> None:
-    """Gives points or cells of pyvista these normals where they have any; takes away what cannot be turned. rest: those before, of the faces,
-    which theirs may be opposite to."""
+    """Replaces normals of pyvista's points or cells, if they have any; without new ones, removes them. rest: the faces' normals before; stored
+    ones may be opposite"""
     for name in {"Normals", data.active_normals_name} & set(data.keys()):
         before = np.asarray(data[name], np.float64)
         is_active, is_vector = (each == name for each in (data.active_normals_name, data.active_vectors_name))
@@ -171,7 +171,7 @@ def _turn(data: Any, normals: Points | None, rest: Points | None = None) -> None
 
 
 def _of_faces(vertices: Any, faces: Any) -> Points:
-    """Their normals, of length 1; 0 of those without an area."""
+    """The normals of faces, of length 1; 0 for faces without an area."""
     a, b, c = np.moveaxis(np.asarray(vertices, np.float64)[faces], 1, 0)
     across = np.cross(b - a, c - a)
     made: Points = across / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-300)
@@ -179,7 +179,7 @@ def _of_faces(vertices: Any, faces: Any) -> Points:
 
 
 def _pymeshlab(given: Any, vertices: Points, normals: Points | None) -> Any:
-    """With all that its version lets one make a mesh of."""
+    """A new mesh with all that this version of pymeshlab can set."""
     made = importlib.import_module("pymeshlab").Mesh
     has = {"v_scalar_array": ("has_vertex_scalar", "vertex_scalar_array"), "f_scalar_array": ("has_face_scalar", "face_scalar_array"),
            "v_color_matrix": ("has_vertex_color", "vertex_color_matrix"), "f_color_matrix": ("has_face_color", "face_color_matrix"),

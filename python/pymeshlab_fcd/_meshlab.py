@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The filters in pymeshlab, where it and the package pymeshlab_fcd_plugin, which has the plugins, are installed."""
+"""The filters in pymeshlab. They need pymeshlab and the package pymeshlab_fcd_plugin, which has the plugins."""
 from __future__ import annotations
 
 import importlib
@@ -20,10 +20,10 @@ _INSTALL: Final = "pip install . ./python/plugin, in a clone of the repository a
 
 
 def _plugins() -> Mapping[str, Path]:
-    """The plugin for each version of pymeshlab. Looks for files, and imports nothing."""
+    """The plugin for each version of pymeshlab. Only looks for files."""
     try:
         found = importlib.util.find_spec("pymeshlab_fcd_plugin")
-    except (ImportError, ValueError, AttributeError):  # where somebody has put something else in its place
+    except (ImportError, ValueError, AttributeError):  # another module has its name
         return {}
     folders = [Path(each) for each in found.submodule_search_locations or []] if found else []
     return {each.parent.name: each for folder in folders for each in sorted(folder.glob("*/libfilter_fcd.so"))}
@@ -31,7 +31,7 @@ def _plugins() -> Mapping[str, Path]:
 
 PLUGINS = _plugins()
 VERSIONS = sorted(PLUGINS, key=lambda name: [int(part) for part in name.split(".")])
-"""Of pymeshlab, that there is a plugin for."""
+"""The versions of pymeshlab with a plugin."""
 
 
 def enable_pymeshlab() -> list[str]:
@@ -46,7 +46,7 @@ def enable_pymeshlab() -> list[str]:
     Raises
     ------
     RuntimeError
-        There is no pymeshlab that there is a plugin for, or it cannot load the plugin; the text says why.
+        pymeshlab is not installed, or has no plugin for its version, or cannot load it; the text says why.
     """
     without = "deform and Deformer work without."
     if not PLUGINS:
@@ -65,7 +65,7 @@ def enable_pymeshlab() -> list[str]:
         return [name for name in pymeshlab.filter_list() if "fcd" in name.split("_")[1:]]  # 2022.2 lists titles, too
 
     try:
-        if not ours():  # someone may have loaded one before
+        if not ours():  # it may have been loaded before
             pymeshlab.load_plugin(str(PLUGINS[version]))
         methods = {name: pymeshlab.bind_function(name) for name in ours()}
     except Exception as error:  # of another library

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a handle moves, where a matrix does not tell: turns of half a turn and more, and steps about the handle's middle."""
+"""Motions of handles that a matrix cannot express: half turns and more, and steps about the handle's middle."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from ._numbers import text as expected_text
 
 
 def _numbers(name: str, values: ArrayLike, shape: tuple[int, ...]) -> str:
-    """Each to the bit."""
+    """The numbers as text, each to the bit."""
     what = f"{' x '.join(map(str, shape))} numbers" if shape else "a number"
     array = plain(name, values, what)
     if array.dtype.kind == "b":
@@ -28,10 +28,10 @@ def _numbers(name: str, values: ArrayLike, shape: tuple[int, ...]) -> str:
 
 @dataclass(frozen=True)
 class Motion:
-    """A motion of a handle, in steps that are carried out in the order in which they were added.
+    """A motion of a handle: steps that are made in the order in which they were added.
 
-    A 4 x 4 matrix does as well, but not for rotations of half a turn or more: a matrix takes the shortest way (`percent`), and a full turn
-    is none. World coordinates; matrices act on column vectors.
+    A 4 x 4 matrix does as well, except for rotations of half a turn or more: a matrix turns the shortest way (`percent`), and a full turn is
+    none. World coordinates; matrices act on column vectors.
 
     ```python
     Motion.rotate([0, 0, 1], 270).then(Motion.translate([0, 0, 5]))
@@ -39,7 +39,7 @@ class Motion:
     """
 
     text: str = ""
-    """The steps, as the filters' parameter `transforms` takes them."""
+    """The steps, for the filters' parameter `transforms`."""
 
     def __post_init__(self) -> None:
         expected_text("the steps", self.text, "translate 0 0 5")
@@ -73,7 +73,7 @@ class Motion:
         degrees : float
             Any angle; 360 is a full turn.
         about : array_like, optional
-            A point that stays where it is, 3 numbers. None: the mean of the handle's vertices, where the steps before have put it.
+            The pivot, 3 numbers. None: the mean of the handle's vertices, as the steps before have moved it.
 
         Raises
         ------
@@ -135,7 +135,7 @@ class Motion:
 
     @classmethod
     def parse(cls, text: str) -> Motion:
-        """From the steps that the filters' parameter `transforms` takes.
+        """Reads steps, as of the filters' parameter `transforms`.
 
         Parameters
         ----------
@@ -160,7 +160,7 @@ class Motion:
         Parameters
         ----------
         other : Motion
-            Carried out after this one.
+            Made after this one.
 
         Raises
         ------

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Numbers as callers may give them, as an array of numpy."""
+"""Numbers and texts of callers."""
 from __future__ import annotations
 
 import os
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 
 def plain(name: str, values: object, what: str = "an array of numbers") -> NDArray[Any]:
-    """An array of any kind of numbers, of any shape; the caller's own where it is one. what: that is asked for"""
+    """An array of any kind of numbers, of any shape; the caller's own if it is one. what: is expected, for messages"""
     if values is None:
         raise TypeError(f"{name} is None; give {what}")
     if isinstance(values, np.ma.MaskedArray):
@@ -27,7 +27,7 @@ def plain(name: str, values: object, what: str = "an array of numbers") -> NDArr
 
 
 def lengths(rows: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of n x 3, n numbers, also where squares of them are none."""
+    """The lengths of n x 3 rows, without overflow or underflow."""
     largest = np.abs(rows).max(initial=0)
     unit = 1.0 if not 0 < largest < np.inf or 1e-100 < largest < 1e100 else np.ldexp(1.0, int(np.log2(largest)))
     found: NDArray[np.float64] = np.linalg.norm(rows / unit, axis=1) * unit
@@ -46,7 +46,7 @@ def text(name: str, value: object, example: str = "") -> str:
 
 
 def shown(path: str | bytes | os.PathLike[Any]) -> str:
-    """The name of a file for tables and messages, the same in any locale; bytes that are no UTF-8 as \\xe9."""
+    """The name of a file for tables and messages, the same in any locale; bytes that are no UTF-8 are escaped as \\xe9."""
     return os.fsencode(path).decode("utf-8", "backslashreplace").replace("\0", "\\0")
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""PLY files whose vertices move: all else in them, labels, colours, textures, other elements, stays as it is, to the byte."""
+"""PLY files whose vertices move. All else in them (labels, colours, textures, other elements) stays, to the byte."""
 from __future__ import annotations
 
 import os
@@ -29,7 +29,7 @@ class _Element:
 
 
 class Ply:
-    """A file, as it was read."""
+    """The content of a file."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self._name = shown(path)
@@ -88,7 +88,7 @@ class Ply:
         self.vertices = self._columns(("x", "y", "z"))
         at = 0
         last = max((i for i, element in enumerate(self._elements) if element.name in _FACES), default=0)
-        for element in self._elements[1:last + 1]:  # nothing else is needed
+        for element in self._elements[1:last + 1]:  # later elements are not read
             faces, at = self._binary(element, at)
             self._add_faces(element, faces)
 
@@ -111,7 +111,7 @@ class Ply:
 
     def _binary(self, element: _Element, at: int) -> tuple[list[list[int]] | NDArray[np.int64], int]:
         lists = [name for name, _, kind in element.properties if kind]
-        # As nearly all files have it: of each list, all are as long as the first.
+        # In nearly all files, each list has the same length in all faces.
         fields: list[tuple[str, str] | tuple[str, str, tuple[int]]] = []
         place = at
         for name, each, kind in element.properties:
@@ -150,7 +150,7 @@ class Ply:
 
     @property
     def faces(self) -> NDArray[np.int64] | None:
-        """m x 3, polygons as fans; None of a cloud."""
+        """m x 3, polygons divided into fans; None for a cloud."""
         return self._faces if self._faces is not None and len(self._faces) else None
 
     @property
@@ -165,7 +165,7 @@ class Ply:
 
     @property
     def names(self) -> list[str]:
-        """Of the vertices' properties."""
+        """The names of the vertices' properties."""
         return list(self._names)
 
     def columns(self) -> Points:
@@ -173,7 +173,7 @@ class Ply:
         return self._columns(tuple(self._names))
 
     def save(self, path: str | os.PathLike[str], vertices: Points, normals: Points | None, others: Mapping[str, Points] = MappingProxyType({})) -> None:
-        """The same file with other positions, and, where it has normals and some are given, with these, and with other properties."""
+        """Writes the file with other positions, with other normals if it has some and some are given, and with other properties."""
         new = list(zip("xyz", vertices.T))
         if normals is not None and self.normals is not None:
             new += list(zip(_NORMALS, normals.T))
@@ -196,7 +196,7 @@ class Ply:
             files[0].write(self._new_head({name: kinds[name] for name, _ in new}) + body + self._rest)
 
     def _new_head(self, kinds: Mapping[str, str]) -> bytes:
-        """With other types of the vertices' properties, by name, where these are whole numbers."""
+        """The header, with other types for properties that were whole numbers, by name."""
         head, names = list(self._head), iter(self._elements[0].properties)
         for i, line in enumerate(head):
             words = line.split()
@@ -206,7 +206,7 @@ class Ply:
 
 
 def _of_strips(strips: list[list[int]] | NDArray[np.int64]) -> NDArray[np.int64]:
-    """Of triangle strips; in each, -1 begins another one. What has a corner twice only joins them."""
+    """The triangles of strips; -1 begins another strip. Triangles with a repeated corner are left out."""
     made: list[tuple[int, int, int]] = []
     for strip in strips:
         first = 0

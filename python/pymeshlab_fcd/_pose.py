@@ -29,7 +29,7 @@ _OVERWRITTEN: Final = ("the array that this pose was written to ({}) has been wr
 
 @dataclass(frozen=True)
 class PoseInfo:
-    """What became of a pose."""
+    """The result of a pose."""
 
     nodes: int
     """Nodes of the deformation graph."""
@@ -42,7 +42,7 @@ class PoseInfo:
     folded: int
     """Triangles that are flipped."""
     strained: int
-    """Edges that join two held regions and got half or twice as long, or worse."""
+    """Edges between two held regions that became at most half or at least twice as long."""
     largest_stretch: float
     """The largest of [stretch][pymeshlab_fcd.Pose.stretch]."""
     seconds: float
@@ -50,12 +50,12 @@ class PoseInfo:
     contact: int = field(kw_only=True)
     """Triangles that pass through the surface, and did not at rest; see [Pose.contact][pymeshlab_fcd.Pose.contact]."""
     contact_depth: float = field(kw_only=True)
-    """How far the surface has come through itself at most, in units of the vertices."""
+    """The largest depth of contact, in units of the vertices."""
     _error: Callable[[], float] = field(default=lambda: math.nan, repr=False, compare=False, kw_only=True)
 
     @property
     def discretisation_error(self) -> float:
-        """As [Pose.discretisation_error][pymeshlab_fcd.Pose.discretisation_error] tells; computed when it is asked for first."""
+        """See [Pose.discretisation_error][pymeshlab_fcd.Pose.discretisation_error]; computed on first use."""
         return self._error()
 
     def __getstate__(self) -> dict[str, Any]:
@@ -67,7 +67,7 @@ class PoseInfo:
 
 
 class _Solved:
-    """What a pose is besides its arrays: as it was solved, or, after pickling, as bytes until it is needed."""
+    """The solution of a pose, without its arrays; after pickling, bytes until it is needed."""
 
     def __init__(self, deformer: Deformer, solved: _core.Posed | bytes, error: float | None = None) -> None:
         self.deformer, self._solved, self._error = deformer, solved, error
@@ -90,8 +90,8 @@ class _Solved:
 
 
 class Pose(Unchanging):
-    """A pose of a surface, as [Deformer.pose][pymeshlab_fcd.Deformer.pose] makes it. It does not change, and its arrays are read-only. It can
-    be pickled with its Deformer; that is prepared again only when something needs it."""
+    """A pose of a surface, by [Deformer.pose][pymeshlab_fcd.Deformer.pose]. It does not change, and its arrays are read-only. It can be pickled
+    with its Deformer, which is prepared again only if it is needed."""
 
     def __init__(self, deformer: Deformer, core: _core.Posed) -> None:
         self._deformer = deformer
@@ -104,12 +104,12 @@ class Pose(Unchanging):
 
     @property
     def deformer(self) -> Deformer:
-        """What was posed."""
+        """The surface that was posed."""
         return self._deformer
 
     @property
     def vertices(self) -> Points:
-        """n x 3, read-only. Fixed and outside vertices are as they were, to the bit; handles are where they were put.
+        """n x 3, read-only. Fixed and outside vertices keep their bits; handles are exactly where their motions put them.
 
         Raises
         ------
@@ -136,7 +136,7 @@ class Pose(Unchanging):
 
     def _write(self, out: Points | None, out_normals: Points | None, told: Report | None,
                change: Callable[[Points], None] | None = None) -> None:
-        """Maps it to the vertices. change: what is done to these then"""
+        """Maps the pose to the vertices. change: called with them afterwards"""
         deformer = self._deformer
         rest = deformer._rest_normals
         if out_normals is not None:
@@ -161,7 +161,7 @@ class Pose(Unchanging):
         return self._found
 
     def _contact_of(self, told: Report | None, level: int) -> Contact:
-        """Looks for contact where nobody has yet, and warns of it."""
+        """Looks for contact, if that was not done yet, and warns of it."""
         if self._contact is None:
             faces, pairs, largest, depth = self._core.contact(self.vertices, told)
             if depth is None:
@@ -194,8 +194,8 @@ class Pose(Unchanging):
 
     @property
     def normals(self) -> Points:
-        """n x 3, read-only. If the Deformer has normals at rest: these, turned with the surface and as long as they were. If not: those of
-        the faces in this pose, weighed by their angles, of length 1 (0 at a vertex without a face).
+        """n x 3, read-only. If the Deformer has normals at rest: these, turned with the surface, with their lengths kept. If not: the means of
+        the faces' normals in this pose, weighed by their angles, of length 1 (0 at a vertex without a face).
 
         Raises
         ------
@@ -224,18 +224,18 @@ class Pose(Unchanging):
         Warns
         -----
         ContactWarning
-            The first time, where it does.
+            There is contact; only the first time.
         """
         return self._contact_of(None, 3)
 
     @functools.cached_property
     def info(self) -> PoseInfo:
-        """What became of it. Measured on first use.
+        """The result. Measured on first use.
 
         Warns
         -----
         ContactWarning
-            It passes through itself, and nobody has looked before.
+            The surface passes through itself, and that was not looked for before.
         """
         told, found, contact = self._told, self._check(), self._contact_of(None, 4)
         return PoseInfo(told["nodes"], told["iterations"], told["converged"], told["energy"], found["folded"], found["strained"],
@@ -243,8 +243,8 @@ class Pose(Unchanging):
                         contact=contact.triangles, contact_depth=contact.largest_depth, _error=self._solved.error)
 
     def discretisation_error(self, *, progress: Progress = None) -> float:
-        """Estimates the distance from the pose that a node at every vertex would give: root mean square, as a share of the diagonal of what
-        bends; not a number if that cannot be told. Computed on first use, from a second, coarser solution.
+        """Estimates the distance from the pose with a node at each vertex: root mean square, over the diagonal of what bends; not a number if
+        that cannot be told. Computed on first use, from a second, coarser solution.
 
         Parameters
         ----------
@@ -254,8 +254,8 @@ class Pose(Unchanging):
         return self._solved.error(progress)
 
     def stretch(self, *, progress: Progress = None) -> NDArray[np.float32]:
-        """How much longer the surface got around each vertex, n numbers: 1 is as long as at rest, 2 twice as long. It is the ratio of the root
-        mean square lengths of the edges there.
+        """The stretch of the surface around each vertex, n numbers: 1 is as long as at rest, 2 twice as long. It is the ratio of the root mean
+        square lengths of the edges there.
 
         Parameters
         ----------
@@ -269,21 +269,21 @@ class Pose(Unchanging):
     @overload
     def map(self, points: ArrayLike, normals: ArrayLike, *, progress: Progress = None) -> tuple[Points, Points]: ...
     def map(self, points: ArrayLike, normals: ArrayLike | None = None, *, progress: Progress = None) -> Points | tuple[Points, Points]:
-        """Carries other points of the same space: each goes with the nearest place of the surface.
+        """Maps other points of the same space: each moves with the nearest place of the surface.
 
         Parameters
         ----------
         points : array_like
             k x 3, at rest. Those that are not finite, or beyond 1e100, stay as they are.
         normals : array_like, optional
-            k x 3, to be turned along.
+            k x 3, of the points; they turn along.
         progress : Progress, optional
             Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
 
         Returns
         -------
         ndarray or tuple[ndarray, ndarray]
-            The points, k x 3, and if normals are given, these, as long as they were.
+            The points, k x 3; with normals, also the turned normals, with their lengths kept.
 
         Raises
         ------
@@ -299,12 +299,12 @@ class Pose(Unchanging):
 
     @functools.cached_property
     def nodes(self) -> Points:
-        """k x 3, read-only: where the nodes of the graph went."""
+        """k x 3, read-only: the nodes of the graph in the pose."""
         return self._of_nodes[0]
 
     @functools.cached_property
     def node_maps(self) -> NDArray[np.float64]:
-        """k x 3 x 3, read-only: how the surface turns and stretches at each node, the linear map of column vectors."""
+        """k x 3 x 3, read-only: the linear map of the surface at each node, for column vectors."""
         return self._of_nodes[1]
 
     @functools.cached_property
@@ -319,11 +319,10 @@ class Pose(Unchanging):
         Parameters
         ----------
         inverse : bool, default False
-            Whether it is the way back, from where the surface went to where it was.
+            Whether it is the inverse, from the pose back to rest.
         accuracy : float, default 0.0
-            How far a vertex may be off at most, in world units. A tenth of it takes about five times as many samples, up to a million;
-            `Deformation.file_size` and `seconds` tell what came of it. 0: a fiftieth of the largest motion, at most a ten-thousandth of
-            the diagonal of what moves.
+            Largest error of a vertex, in world units. A tenth of it takes about five times as many samples, up to a million; see
+            `Deformation.file_size` and `seconds`. 0: a fiftieth of the largest motion, at most a ten-thousandth of the diagonal of what moves.
         progress : Progress, optional
             Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
 
@@ -337,8 +336,8 @@ class Pose(Unchanging):
         Warns
         -----
         DeformationWarning
-            It is farther off at some vertices (`Deformation.largest_difference` tells by how much), or the pose folds the surface
-            somewhere, and there is no way back from there.
+            The error is larger at some vertices (see `Deformation.largest_difference`), or the pose folds the surface somewhere, so that it has
+            no inverse there.
         """
         return self._deformation(progress, 4, _inputs.accuracy(accuracy), inverse)
 
@@ -356,16 +355,16 @@ class Pose(Unchanging):
         return made
 
     def mesh(self) -> Any:
-        """The mesh of another library that the Deformer was given, as a copy in this pose, with all that it carries.
+        """A copy in this pose of the other library's mesh that the Deformer got, with all that it carries.
 
-        Normals of vertices and faces are those of the pose where it stores any; a cloud's, which the Deformer was not given (`normals`), are
-        left out. Other vectors stay as they are. Of pymeshlab, the copy has normals, quality, colours, texture coordinates (not in 2022.2),
-        edges and label; a mesh cannot be made with selections, texture images, custom attributes, polygons or a matrix.
+        If it stores normals of vertices or faces, the copy has those of the pose. A cloud's normals are left out if the Deformer did not get
+        them (`normals`). Other vectors stay unchanged. A copy of pymeshlab's mesh has normals, quality, colours, texture coordinates (not in
+        2022.2), edges and label. pymeshlab cannot make a mesh with selections, texture images, custom attributes, polygons or a matrix.
 
         Raises
         ------
         ValueError
-            It was given arrays, the mesh has other faces or another number of vertices by now, or it could not be pickled.
+            The Deformer got arrays, the mesh has other faces or another number of vertices by now, or it could not be pickled.
         """
         has_normals = self._deformer.faces is not None or self._deformer._rest_normals is not None
         return _meshes.posed(self._deformer._given_mesh(), self.vertices, self._deformer.faces, self.normals if has_normals else None)
@@ -376,7 +375,7 @@ class Pose(Unchanging):
 
 
 def _describe(found: dict[str, Any]) -> list[Told]:
-    """What is probably not meant, in words."""
+    """Warnings of what is probably not intended."""
     def count(n: int, one: str, many: str) -> str:
         return f"{n} {one if n == 1 else many}"
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Who is told of progress."""
+"""Reports of progress."""
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -9,15 +9,15 @@ Report = Callable[[int, str], object]
 
 
 class Bar(Protocol):
-    """A bar as those of tqdm are."""
+    """A progress bar like those of tqdm."""
 
     def update(self, n: float = 1, /) -> object:
-        """Goes on by so much."""
+        """Adds to the progress."""
 
 
 Progress = Union[Report, Bar, None]
-"""A callable that is called with the percent done (0 to 100) and what is being done, every 0.03 s or so; or a bar of tqdm, or the
-class `tqdm` itself. What it raises ends the work, and nothing is half done."""
+"""A callable that gets the percent done (0 to 100) and the present stage, about every 0.03 s; or a bar of tqdm, or the class `tqdm` itself. An
+exception that it raises ends the work, and nothing is half done."""
 
 
 class _BarReport:
@@ -34,7 +34,7 @@ class _BarReport:
 
 
 def report(progress: Progress, begin: int = 0, end: int = 100) -> Report | None:
-    """What the extension calls, for the part of the whole from begin to end percent."""
+    """The callable for the extension, for the part of the work from begin to end percent."""
     if progress is None:
         return None
     told: Report
@@ -54,5 +54,5 @@ def report(progress: Progress, begin: int = 0, end: int = 100) -> Report | None:
 
 
 def shared(progress: Progress) -> Progress:
-    """The same for several parts of one whole: one bar for all of them."""
+    """One report for several parts of the work, so that they share a bar."""
     return report(progress)

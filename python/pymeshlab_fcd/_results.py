@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The table of what one command did, beside its results: what each is of, and how it was written."""
+"""The table of a command, beside its results: the source of each, and its hash."""
 from __future__ import annotations
 
 import csv
@@ -17,7 +17,7 @@ _LAST = ("seconds", "warnings", "error", "source", "result", "key")
 
 
 def state(*paths: Path) -> str:
-    """What is in files, wherever they are and whenever they were written. Empty where one cannot be read."""
+    """Hashes of the content of files; empty if one cannot be read."""
     def of(path: Path) -> str:
         found = hashlib.blake2b(digest_size=10)
         with open(path, "rb") as file:
@@ -32,10 +32,10 @@ def state(*paths: Path) -> str:
 
 
 class Table:
-    """The rows of what is done, in a file to which each is added as it comes. The last one of a file counts."""
+    """The rows of files that are done. Each is appended to the table as it comes; the last row of a file counts."""
 
     def __init__(self, path: Path, files: Sequence[Path] = ()) -> None:
-        """Raises ValueError where the file is none of these tables, OSError where it cannot be read."""
+        """Raises ValueError if the file is another table, OSError if it cannot be read."""
         self.path = path
         self._folder = os.path.abspath(path.parent)
         self.rows: dict[str, Row] = {}
@@ -44,13 +44,13 @@ class Table:
                 reader = csv.DictReader(line.replace("\0", "") for line in file)
                 if not {"file", "key"} <= set(reader.fieldnames or ["file", "key"]):
                     raise ValueError(f"{shown(path)} would be written over, but is no table of results: rename it, or give another folder")
-                self.rows = {row["source"]: dict(row) for row in reader if row.get("key") and row.get("source")}  # the last may be half a row
+                self.rows = {row["source"]: dict(row) for row in reader if row.get("key") and row.get("source")}  # the last row may be incomplete
         self.order = list(dict.fromkeys([*map(self.source, files), *self.rows]))
         self.names: list[str] = []
         self._results: dict[str, list[Row]] | None = None
 
     def source(self, path: Path) -> str:
-        """What a row is of, as seen from the table: wherever the command is called, and wherever both are moved to."""
+        """The source of a row, relative to the table: it stays valid wherever the command is called, and if both are moved."""
         full = os.path.abspath(path)
         try:
             return shown(Path(os.path.relpath(full, self._folder)).as_posix())
@@ -58,11 +58,11 @@ class Table:
             return shown(full)
 
     def place(self, row: Row) -> str:
-        """Where that is."""
+        """The path of a row's source."""
         return os.path.normpath(os.path.join(self._folder, f"{row['source']}"))
 
     def rename(self, row: Row, path: Path) -> None:
-        """A row is of what is elsewhere now."""
+        """Changes a row's source to a moved file."""
         was, now = f"{row['source']}", self.source(path)
         self.rows.pop(now, None)
         row["file"], row["source"] = shown(path), now
@@ -72,7 +72,7 @@ class Table:
             self.order.append(now)
 
     def owners(self, out: Path) -> list[Row]:
-        """Those of which a file is the result, as it was written."""
+        """The rows whose unchanged result a file is."""
         if self._results is None:
             self._results = {}
             for row in self.rows.values():
@@ -81,7 +81,7 @@ class Table:
         return [row for row in self._results.get(shown(out.stem).casefold(), []) if now and f"{row['result']}".split(" ")[0] == now]
 
     def write(self) -> None:
-        """All of it, in the order of the files."""
+        """Writes the table anew, in the order of the files."""
         self.names = list(dict.fromkeys(["file", *(name for row in self.rows.values() for name in row if name not in _LAST), *_LAST]))
         text = io.StringIO(newline="")
         writer = csv.DictWriter(text, self.names, restval="")
@@ -95,7 +95,7 @@ class Table:
         self.rows[name] = row
         if name not in self.order:
             self.order.append(name)
-        if not set(row) <= set(self.names):  # columns that it does not have yet
+        if not set(row) <= set(self.names):  # it has new columns
             self.write()
             return
         with open(self.path, "a", newline="", encoding="utf-8", errors="backslashreplace") as file:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Poses with names, and animations of them."""
+"""Named poses, and animations of them."""
 from __future__ import annotations
 
 import os
@@ -25,14 +25,14 @@ _EASINGS: tuple[EasingName, ...] = ("linear", "smooth", "hold")
 
 @dataclass(frozen=True)
 class KeyFrame:
-    """How much there is of each pose at one time."""
+    """The weights of the poses at one time."""
 
     time: float
     """Seconds, from 0."""
     weights: Mapping[str, float] = field(default_factory=dict)
-    """Of each pose, by its name, how many percent; those that are not in it have 0."""
+    """Percent of each pose, by its name; missing ones have 0."""
     easing: EasingName = "linear"
-    """How the weights go to the next key frame: `linear`, `smooth` (3 t^2 - 2 t^3), or `hold` until it is there."""
+    """How the weights change to the next key frame: `linear`, `smooth` (3 t^2 - 2 t^3), or `hold`: only there."""
 
 
 class FrameContact(NamedTuple):
@@ -41,49 +41,48 @@ class FrameContact(NamedTuple):
     time: float
     """Seconds."""
     triangles: int
-    """How many pass through others."""
+    """Number of triangles that pass through others."""
     depth: float
-    """How far it has come through itself at most, in units of the vertices."""
+    """The largest depth, in units of the vertices."""
 
 
 @dataclass(frozen=True)
 class AnimationInfo:
-    """What became of an animation."""
+    """The result of writing an animation."""
 
     frames: int
     """Number of frames that were written."""
     largest_difference: float
-    """By how much shapes of poses, mixed in straight lines, are off from the frames, at a vertex; 0 where each frame is a shape."""
+    """With `shapes="poses"`: the largest distance of a vertex, mixed linearly, from the frame; else 0."""
     converged: bool
     """Whether all frames came to rest."""
     jumps: bool
-    """Whether a shape jumps on its way to another one."""
+    """Whether the shape jumps between two frames, instead of changing continuously."""
     folded: int
-    """Flipped triangles, in the frame that has most."""
+    """Flipped triangles, the most of a frame."""
     contacts: tuple[FrameContact, ...]
-    """The frames in which the surface passes through itself; looked for in one of at most 250 thousand triangles."""
+    """The frames in which the surface passes through itself. Looked for in surfaces of at most 250 thousand triangles."""
     discretisation_error: float
-    """As of [Pose.discretisation_error][pymeshlab_fcd.Pose.discretisation_error], for the frame that is bent most."""
+    """[Pose.discretisation_error][pymeshlab_fcd.Pose.discretisation_error] of the frame with most energy."""
 
 
 class PoseSequence:
-    """Poses, each with a name, and key frames of them. A blend adds up, each by its weight, the turns of a handle (of any angle), the paths of
-    its middle and the logarithms of its scales; arcs about one joint join to one arc. [Pose sequences](sequences.md) tells more.
+    """Named poses, and key frames of them. A blend adds, each by its weight, the turns of a handle (of any angle), the paths of its middle and
+    the logarithms of its scales. Arcs about one joint combine to one arc. [Pose sequences](sequences.md) tells more.
 
     Parameters
     ----------
     poses : Mapping[str, Union[Transforms, str]]
-        Of each pose, by its name, how handles move: `{tag: 4 x 4 matrix or Motion}`, or a text as the filters' parameter `transforms` takes
-        it.
+        The motions of each pose, by its name: `{tag: 4 x 4 matrix or Motion}`, or a text as of the filters' parameter `transforms`.
     keys : Sequence[KeyFrame], optional
-        The key frames, ascending in time. None: the poses one after the other, from rest, a second each, smoothly.
+        The key frames, ascending in time. None: the poses follow each other smoothly from rest, a second each.
 
     Raises
     ------
     TypeError
         An argument has the wrong type.
     ValueError
-        There is no pose, a name is empty, times do not ascend, or a key frame names a pose that is not there.
+        There is no pose, a name is empty, times do not ascend, or a key frame names a pose that does not exist.
     """
 
     def __init__(self, poses: Mapping[str, Union[Transforms, str]], keys: Sequence[KeyFrame] | None = None) -> None:
@@ -103,14 +102,14 @@ class PoseSequence:
 
     @classmethod
     def parse(cls, text: str, name: str = "poses") -> PoseSequence:
-        """From the table that [save][pymeshlab_fcd.PoseSequence.save] writes.
+        """Reads the table that [save][pymeshlab_fcd.PoseSequence.save] writes.
 
         Parameters
         ----------
         text : str
             The table.
         name : str, default 'poses'
-            What messages call it.
+            Its name in messages.
 
         Raises
         ------
@@ -126,7 +125,7 @@ class PoseSequence:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> PoseSequence:
-        """From a file with such a table.
+        """Reads a file with such a table.
 
         Parameters
         ----------
@@ -149,12 +148,12 @@ class PoseSequence:
         Parameters
         ----------
         deformer : Deformer, optional
-            Of which surface the poses are: with another one, they are an error then. None: of any.
+            The surface of the poses: using them with another one is then an error. None: any surface.
         """
         return self._core.text(None if deformer is None else _expected(deformer)._prepared)
 
     def save(self, path: str | os.PathLike[str], deformer: Deformer | None = None) -> None:
-        """Writes the table to a file; one that is there is replaced when all is written.
+        """Writes the table to a file. An existing one is replaced once all is written.
 
         Parameters
         ----------
@@ -166,13 +165,13 @@ class PoseSequence:
         Raises
         ------
         OSError
-            It cannot be written; what was there is still there.
+            It cannot be written; an existing one stays.
         """
         _files.write(path, self.text(deformer).encode())
 
     @property
     def poses(self) -> dict[str, str]:
-        """How handles move in each pose, by its name, as the filters' parameter `transforms` takes it."""
+        """The motions of each pose, by its name, as text for the filters' parameter `transforms`."""
         return dict(self._core.poses())
 
     @property
@@ -194,12 +193,12 @@ class PoseSequence:
         return dict(zip(self.poses, weights))
 
     def blend(self, deformer: Deformer, weights: Mapping[str, float], *, check: bool = True, progress: Progress = None) -> Pose:
-        """The poses at once, each by its weight, from rest.
+        """Blends the poses, each by its weight, from rest.
 
         Parameters
         ----------
         deformer : Deformer
-            What is posed.
+            The surface that is posed.
         weights : Mapping[str, float]
             Of each pose, by its name, how many percent; those that are not in it have 0.
         check : bool, default True
@@ -229,7 +228,7 @@ class PoseSequence:
         Parameters
         ----------
         deformer : Deformer
-            What is posed.
+            The surface that is posed.
         rate : float, default 24.0
             How many frames a second; the last one is at the last key frame, or after it.
         check : bool, default True
@@ -272,7 +271,7 @@ class PoseSequence:
         Parameters
         ----------
         deformer : Deformer
-            What is posed.
+            The surface that is posed.
         gltf : path, optional
             A `.glb` file: glTF 2.0 with morph targets (shape keys) and their animation.
         pc2 : path, optional

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Gaussian splats that are carried along: their rotations, their scales and the harmonics of their colours."""
+"""Gaussian splats that move along: their rotations, scales, and the harmonics of their colours."""
 from __future__ import annotations
 
 import warnings
@@ -16,29 +16,29 @@ Numbers = NDArray[np.float64]
 ROTATION: Final = tuple(f"rot_{i}" for i in range(4))  # w, x, y, z of a quaternion of any length
 SCALE: Final = tuple(f"scale_{i}" for i in range(3))  # natural logarithms
 _CHUNK: Final = 1 << 14  # splats: 100 MB
-# Directions that tell the harmonics of a band apart: more than the seven of the highest one, spread evenly (a Fibonacci sphere).
+# Directions at which harmonics are fitted, spread evenly (a Fibonacci sphere): more than the seven harmonics of the
+# highest band.
 _DIRECTIONS: Final = 16
 
 
 def is_splats(names: Sequence[str]) -> bool:
-    """Whether vertices with such properties are splats, as 3D Gaussian Splatting (Kerbl et al. 2023) writes them."""
+    """Whether vertices with these properties are splats of 3D Gaussian Splatting (Kerbl et al. 2023)."""
     return set(ROTATION + SCALE) <= set(names)
 
 
 def harmonics(names: Sequence[str]) -> list[str]:
-    """Those of the bands 1 to 3 that a splat has, by their numbers: of red, then green, then blue."""
+    """The names of the harmonics of the bands from 1, in order: red, then green, then blue."""
     return [f"f_rest_{i}" for i in range(sum(name.startswith("f_rest_") for name in names))]
 
 
 def carried(rotation: Numbers, scale: Numbers, linear: Numbers) -> tuple[Numbers, Numbers]:
-    """The rotations, n x 4, and the logarithms of the scales, n x 3, of splats after space was mapped, n x 3 x 3, there: a splat's ellipsoid
-    becomes that which the map makes of it."""
+    """The rotations, n x 4, and the logarithms of the scales, n x 3, of splats after linear maps, n x 3 x 3: those of the mapped ellipsoids."""
     w, x, y, z = rotation.T / np.maximum(np.linalg.norm(rotation, axis=1), 1e-300)
     axes = np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y), 2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
                      2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], 1).reshape(-1, 3, 3)
-    largest = scale.max(axis=1, keepdims=True)  # of which exp may be anything
+    largest = scale.max(axis=1, keepdims=True)  # subtracted, so that exp does not overflow
     turned, sizes, along = np.linalg.svd(linear @ (axes * np.exp(scale - largest)[:, None, :]))
-    # Each axis where it was among the three, so that what is not mapped stays what it is.
+    # Keeps the order of the axes, so that the identity changes nothing.
     order = np.argsort(np.argsort(-scale, axis=1, kind="stable"), axis=1, kind="stable")
     turned = np.take_along_axis(turned, order[:, None, :], axis=2)
     sizes = np.take_along_axis(sizes, order, axis=1)
@@ -47,7 +47,7 @@ def carried(rotation: Numbers, scale: Numbers, linear: Numbers) -> tuple[Numbers
 
 
 def _quaternions(turn: Numbers) -> Numbers:
-    """Of rotations, n x 3 x 3: the eigenvectors of the largest eigenvalue (Bar-Itzhack 2000), w not less than 0."""
+    """The quaternions of rotations, n x 3 x 3: eigenvectors of the largest eigenvalue (Bar-Itzhack 2000), with w >= 0."""
     a = turn
     k = np.empty((len(a), 4, 4))
     k[:, 0, 0] = a[:, 0, 0] + a[:, 1, 1] + a[:, 2, 2]
@@ -62,7 +62,7 @@ def _quaternions(turn: Numbers) -> Numbers:
 
 
 def _basis(band: int, d: Numbers) -> Numbers:
-    """The real harmonics of a band at directions, ... x 3: ... x (2 band + 1), in their order and with the signs of 3D Gaussian Splatting."""
+    """The real harmonics of a band at directions, ... x 3: ... x (2 band + 1), in the order and with the signs of 3D Gaussian Splatting."""
     x, y, z = d[..., 0], d[..., 1], d[..., 2]
     if band == 1:
         return 0.4886025119029199 * np.stack([-y, z, -x], -1)
@@ -75,12 +75,12 @@ def _basis(band: int, d: Numbers) -> Numbers:
 
 
 def turned_harmonics(coefficients: Numbers, linear: Numbers) -> Numbers:
-    """Harmonics, n x k x bands, turned by the rotations nearest to maps of space, n x 3 x 3: what shone in a direction shines in the turned one.
+    """Turns harmonics by the rotations nearest to linear maps, n x 3 x 3.
 
     Parameters
     ----------
     coefficients
-        n x colours x 3, 8 or 15: of the bands 1, 1 and 2, or 1 to 3.
+        n x colours x 3, 8 or 15: of band 1, of the bands 1 and 2, or 1 to 3.
     """
     i = np.arange(_DIRECTIONS) + 0.5
     height, angle = 1 - 2 * i / _DIRECTIONS, i * (np.pi * (3 - np.sqrt(5)))
@@ -104,7 +104,7 @@ def turned_harmonics(coefficients: Numbers, linear: Numbers) -> Numbers:
 
 
 def columns(names: Sequence[str], read: Points, linear: Numbers) -> dict[str, Numbers]:
-    """The properties of carried splats that change, by name.
+    """The properties of moved splats that change, by name.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def columns(names: Sequence[str], read: Points, linear: Numbers) -> dict[str, Nu
     def of(wanted: Sequence[str]) -> Numbers:
         return read[:, [names.index(name) for name in wanted]]
 
-    known = np.isfinite(read).all(axis=1) & np.isfinite(linear).all(axis=(1, 2))  # others stay as they are
+    known = np.isfinite(read).all(axis=1) & np.isfinite(linear).all(axis=(1, 2))  # others stay unchanged
     rotation, scale = of(ROTATION), of(SCALE)
     rotation[known], scale[known] = carried(rotation[known], scale[known], linear[known])
     made = {**dict(zip(ROTATION, rotation.T)), **dict(zip(SCALE, scale.T))}

@@ -20,39 +20,39 @@ from ._warnings import FoldWarning, LineWarning, Told, triangles_turned, warn
 
 @dataclass(frozen=True)
 class LineInfo:
-    """What became of a line, and of the surface along it. Lengths are in units of the vertices."""
+    """The result for a line, and the surface along it. Lengths are in units of the vertices."""
 
     length: float
     """Length of the line before."""
     new_length: float
     """Length of the line after."""
     jitter: float
-    """Jitter of the points across the line that was removed, root mean square a direction. 0: none was."""
+    """Jitter across the line that was removed, root mean square in one direction; 0: none."""
     left_middle: bool
-    """Whether the given line was taken in spite of `middle`, which would have stretched the surface more."""
+    """Whether the given line was used in spite of `middle`, since the middles would stretch the surface more."""
     twist: float
     """Twist of the surface about the line that `untwist` removed, from end to end, in degrees; else 0."""
     following: int
-    """Nodes of the deformation graph that go with the line."""
+    """Nodes of the deformation graph that move with the line."""
     released: int
-    """Nodes that follow the others instead: going with the line would fold the surface there, or make it twice or half as long."""
+    """Nodes that follow the others instead: moving with the line would fold the surface there, or make it twice or half as long."""
     released_at: list[tuple[float, float]]
-    """Where the released nodes are along the line: from, to."""
+    """The ranges of the line with released nodes: from, to."""
     rms: float
-    """Distance of the surface from where its cross-sections go, root mean square."""
+    """Distance of the surface from its moved cross-sections, root mean square."""
     largest: float
     """The largest of these distances."""
 
 
 class Straightened(Pose):
-    """A surface that was straightened, or bent along a line, by [straighten][pymeshlab_fcd.straighten]: a
-    [Pose][pymeshlab_fcd.Pose] with all that one has."""
+    """A surface that was straightened, or bent along a line, by [straighten][pymeshlab_fcd.straighten]. It has all that a
+    [Pose][pymeshlab_fcd.Pose] has."""
 
     _line: LineInfo
 
     @property
     def line(self) -> LineInfo:
-        """What became of the line."""
+        """The result for the line."""
         return self._line
 
     def __getstate__(self) -> dict[str, Any]:
@@ -104,23 +104,23 @@ def straighten(
         that lie closer than the surface is thick may jitter, as picked ones do. Jitter that would stretch the surface by more than a
         hundredth is removed (`Straightened.line.jitter`).
     target : array_like, optional
-        k x 3, points of the line that it becomes. It is laid along the target from the beginning, and goes on straight beyond its end. None:
-        a straight line, or an arc, where the line is.
+        k x 3, points of the line that it becomes, from the target's beginning on; beyond its end, it is straight. None: a straight line, or an
+        arc, at the same place.
     degrees : float, default 0.0
-        By how much the arc bends from end to end, less than 360; 0 is straight.
+        Bend of the arc from end to end, less than 360; 0 is straight.
     direction : array_like, optional
-        Of the straight line, or of the middle of the arc; None: from end to end of the line.
+        Direction of the straight line, or of the arc in its middle. None: from end to end of the line.
     towards : array_like, optional
         The direction that the ends of the arc bend to. None: as the ends of the line.
     length : float, default 0.0
-        How long the line gets; 0: as long as it is. Cross-sections keep their size.
+        New length of the line; 0: as before. Cross-sections keep their size.
     middle : bool, default False
-        Whether to take the line through the middles of the cross-sections; the given line may then lie on the surface. The given line is
-        taken all the same if the middles would stretch the surface more (`Straightened.line.left_middle`).
+        Whether to use the line through the middles of the cross-sections; the given line may then lie on the surface. If the middles would
+        stretch the surface more, the given line is used (`Straightened.line.left_middle`).
     untwist : bool, default False
-        Whether the cross-sections are turned about the line so that their longest axes lie alike.
+        Whether to turn the cross-sections about the line so that their longest axes are aligned.
     smoothing : float, default 0.0
-        Share of the line's length, 0 to 0.25: wiggles shorter than some six times this are smoothed away, instead of jitter.
+        Share of the line's length, 0 to 0.25: wiggles shorter than about three times this are smoothed away, instead of jitter.
     normals : array_like, optional
         n x 3, at rest, which turn with the surface. None: those of its faces.
     patches : int, default 1000
@@ -128,7 +128,7 @@ def straighten(
     seed : int, default 1
         Chooses where the first patches are.
     smoothness : float, default 0.0058
-        Of the parts that do not go with the line: 0.001 is loose, 0.1 is stiff.
+        Smoothness of the parts that do not move with the line: 0.001 is loose, 0.1 is stiff.
     weld_distance : float, default 1e-06
         Fraction of the diagonal up to which vertices on open borders count as one.
     threads : int, default 0
@@ -139,8 +139,8 @@ def straighten(
     Returns
     -------
     Straightened
-        Where the vertices went, `Straightened.vertices`: the same bits as those of the filter `generate_fcd_straightened_mesh`. `map`
-        carries other points along. `deformation` makes a file, `deformation(inverse=True)` one that leads back.
+        The new vertices, `Straightened.vertices`: the same bits as those of the filter `generate_fcd_straightened_mesh`. `map` carries other
+        points along. `deformation` can be saved; `deformation(inverse=True)` leads back.
 
     Raises
     ------
@@ -155,10 +155,10 @@ def straighten(
     Warns
     -----
     DeformationWarning
-        Parts of the surface do not go with the line, cross-sections tell no middle, or flipped triangles.
+        Parts of the surface do not move with the line, the middles were not used, or flipped triangles.
     """
     if _meshes.is_beside_mesh(vertices, faces):
-        if line is None:  # the target, if there is one, by its name
+        if line is None:  # the target, if any, was given by name
             faces, line = None, faces
         elif target is None:
             faces, line, target = None, faces, line
@@ -194,7 +194,7 @@ def straighten(
         found.append((LineWarning, "The surface would be stretched more along the line through the middles of its cross-sections than along the "
                                    "line as it is given: it goes along the given one."))
     if made.line.released > 0:
-        short = 1e-3 * made.line.length  # a patch of one vertex, or about that
+        short = 1e-3 * made.line.length  # about one vertex
         places = ", ".join(f"{begin:g} to {end:g}" if end - begin > short else f"{begin:g}" for begin, end in made.line.released_at[:5])
         more = ", and elsewhere" if len(made.line.released_at) > 5 else ""
         found.append((LineWarning, f"Beside the line at {places}{more} of its length, going with its cross-sections would fold the surface, "

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Symmetry: what was sheared, bent or pressed is restored by its own mirror image."""
+"""Symmetry: restores sheared, bent or pressed shapes by their own mirror image."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ _NONE: Final = np.zeros(0, np.int64)
 
 @dataclass(frozen=True)
 class SymmetryInfo:
-    """How asymmetric a surface was, and what became of it. Lengths are in units of the vertices."""
+    """How asymmetric a surface was, and the result. Lengths are in units of the vertices."""
 
     plane: tuple[tuple[float, float, float], tuple[float, float, float]]
     """The plane of symmetry: a point on it, and its normal, of length 1."""
@@ -35,21 +35,21 @@ class SymmetryInfo:
     before: float
     """Distance of the surface from its own mirror image, root mean square over the nearest nine tenths."""
     after: float
-    """The same of the symmetrized one: what is left."""
+    """The same for the result."""
     asymmetry: float
-    """Distance of places from the mirror images of their counterparts, root mean square. Half of it is the way to symmetry."""
+    """Distance of places from the mirror images of their counterparts, root mean square. Symmetry is half of it away."""
     asymmetry_most: float
     """The largest of these distances."""
     moved: float
     """How far the surface was moved, root mean square."""
     moved_most: float
-    """The same at most."""
+    """The largest move."""
     matched: float
     """Share of the counting surface that has a counterpart on the other side, 0 to 1."""
     guessed: float
     """Share of the surface without a counterpart, which was carried along, 0 to 1."""
     guess_error: float
-    """How far the guessed surface may be off, root mean square; not a number where nothing tells."""
+    """Estimated error of the guessed surface, root mean square; not a number if that cannot be told."""
     contradicted: tuple[int, ...]
     """Numbers, from 0, of the pairs that the others contradict; the midline's points are counted on after the pairs."""
     pairs: int
@@ -66,14 +66,14 @@ class OtherSide(NamedTuple):
     vertices: Points
     """k x 3."""
     faces: NDArray[np.int64] | None
-    """m x 3 numbers of these vertices, outside as on the surface; None for a cloud."""
+    """m x 3 numbers of these vertices, facing outwards as on the surface; None for a cloud."""
     source: NDArray[np.int64]
     """k: for each, the number of the surface's vertex that it mirrors."""
 
 
 class Symmetrized(Pose):
-    """A surface that has become symmetric, by [symmetrize][pymeshlab_fcd.symmetrize]: a [Pose][pymeshlab_fcd.Pose] with all that one has.
-    Its `map` carries other surfaces of the same scan along, and its `deformation` can be saved."""
+    """A surface that was made symmetric, by [symmetrize][pymeshlab_fcd.symmetrize]. It has all that a [Pose][pymeshlab_fcd.Pose] has. Its `map`
+    carries other surfaces of the same scan along, and its `deformation` can be saved."""
 
     _symmetry: SymmetryInfo
     _mirrored: Points
@@ -81,17 +81,17 @@ class Symmetrized(Pose):
 
     @property
     def symmetry(self) -> SymmetryInfo:
-        """How asymmetric it was, and what became of it."""
+        """How asymmetric it was, and the result."""
         return self._symmetry
 
     @property
     def mirrored(self) -> Points:
-        """n x 3, read-only: for each vertex, the mirror image of its counterpart, on the surface as it was."""
+        """n x 3, read-only: for each vertex, the mirror image of its counterpart on the given surface."""
         return self._mirrored
 
     @property
     def matched(self) -> NDArray[np.bool_]:
-        """n flags, read-only: the vertices that have a counterpart on the other side."""
+        """n flags, read-only: whether a vertex has a counterpart on the other side."""
         return self._matched
 
     @property
@@ -132,7 +132,7 @@ def _marks(deformer: Deformer, name: str, values: ArrayLike | None) -> tuple[NDA
 
 
 def _ends(values: ArrayLike | None) -> NDArray[Any] | None:
-    """Of pairs: k x 2 or k x 2 x 3, as 2 k or 2 k x 3."""
+    """The ends of pairs (k x 2 or k x 2 x 3), as 2 k or 2 k x 3."""
     array: NDArray[Any] = _NONE if values is None else plain("pairs", values)
     if array.size == 0:
         return None
@@ -163,11 +163,11 @@ def symmetrize(
     progress: Progress = None,
 ) -> Symmetrized:
     """Restores the symmetry of a mesh or a cloud that was sheared, bent or pressed. The surface is fitted onto its own mirror image, first by a
-    smooth warp of all of it, then by local deformations. Then it goes half of the way. Parts without a counterpart on the other side are
-    carried along.
+    smooth warp of all of it, then by local deformations. The result is half-way. Parts without a counterpart on the other side are carried
+    along.
 
-    Rotations go half of their angle, so bent parts keep their length. A deformation that is alike on both sides, such as flattening, leaves no
-    trace and stays.
+    Rotations are halved in angle, so bent parts keep their length. Deformations that are equal on both sides, such as flattening, cannot be
+    seen, and stay.
 
     Parameters
     ----------
@@ -184,17 +184,17 @@ def symmetrize(
     midline : array_like, optional
         k numbers of vertices, or k x 3 places, that belong on the plane. The vertices end exactly there.
     weights : array_like, optional
-        n numbers from 0 to 1, or a mask: how much each vertex counts. Weight 0 is carried along, such as a growth on one side. None: all
-        counts.
+        n numbers from 0 to 1, or a mask: how much each vertex counts. Vertices of weight 0 are carried along, such as a growth on one side.
+        None: all count.
     normals : array_like, optional
-        n x 3, at rest, which turn with the surface, and tell the sides of a cloud apart. None: those of its faces.
+        n x 3, at rest. They turn with the surface, and tell the sides of a cloud apart. None: those of its faces.
     stiffness : float, default 1.0
         How rigid the surface is against local deformations in the end, more than 0: 1 is the default, 10 is stiff.
     largest_distance : float, default 0.0
         A place farther than this from the mirror image, in units of the vertices, has no counterpart there. 0: no limit.
     landmark_tolerance : float, default 0.0
-        How far a landmark may stay from where it belongs, in units of the vertices. Above 0, landmarks that the others contradict are left out
-        of the fit.
+        How far a landmark may stay from its target, in units of the vertices. Above 0, landmarks that the others contradict are left out of the
+        fit.
     patches : int, default 150
         How many patches to begin with, from 1.
     smoothness : float, default 0.0058
@@ -213,7 +213,7 @@ def symmetrize(
     Returns
     -------
     Symmetrized
-        Where the vertices went, `Symmetrized.vertices`, and how asymmetric the surface was, `Symmetrized.symmetry` and `asymmetry`.
+        The new vertices, `Symmetrized.vertices`, and how asymmetric the surface was, `Symmetrized.symmetry` and `asymmetry`.
 
     Raises
     ------
@@ -228,8 +228,7 @@ def symmetrize(
     Warns
     -----
     DeformationWarning
-        The plane is not sure, little has a counterpart, landmarks contradict each other, triangles turned over, or the fit did not come to
-        rest.
+        The plane is not sure, little has a counterpart, landmarks contradict each other, triangles are flipped, or the fit did not converge.
     """
     told = shared(progress)
     fitter = Fitter(vertices, faces, normals=normals, weights=weights, stiffness=stiffness, largest_distance=largest_distance,
@@ -258,7 +257,7 @@ def symmetrize(
 
 
 def _words(made: Symmetrized, folded: int, diagonal: float) -> list[Told]:
-    """What is not to be trusted, in words."""
+    """Warnings of what not to trust."""
     told, found = made.symmetry, list[Told]()
     if not told.is_sure:
         found.append((SymmetryWarning, "The surface is nearly as much like its mirror image in another plane: look at the plane, and give "
@@ -266,7 +265,7 @@ def _words(made: Symmetrized, folded: int, diagonal: float) -> list[Told]:
     if told.after > told.before + 1e-6 * diagonal:  # more than rounding
         found.append((SymmetryWarning, "The result is farther from its mirror image than the surface was: the plane is hardly the right one. "
                                        "Give pairs, a midline or another plane."))
-    if told.matched < 0.3:  # then most of the shape is a guess
+    if told.matched < 0.3:  # most of the shape is a guess
         found.append((SymmetryWarning, f"Only {100 * told.matched:.3g} percent of the surface have a counterpart on the other side: do not "
                                        "trust the rest. Give pairs or a midline."))
     elif told.guessed > 0.05 and told.guess_error > 0.01 * diagonal:  # 1 %: no hand misses so much

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tables that users write, by hand or by a spreadsheet: commas, semicolons or tabs, UTF-8 with its mark or without."""
+"""Tables that users write, by hand or by a spreadsheet: with commas, semicolons or tabs, UTF-8 with or without a byte order mark."""
 from __future__ import annotations
 
 import csv
@@ -16,13 +16,13 @@ Path = str | os.PathLike[str]
 
 
 def rows(path: Path) -> Iterator[tuple[str, list[str]]]:
-    """What messages call each row, and its cells, without what is empty at its end; lines that begin with # are comments."""
-    with open(path, newline="", encoding="utf-8-sig", errors="replace") as file:  # what is none is no number either
+    """The name of each row for messages, and its cells, without empty ones at the end. Lines that begin with # are comments."""
+    with open(path, newline="", encoding="utf-8-sig", errors="replace") as file:  # broken characters are no numbers anyway
         lines = file.read().replace("\0", "?").splitlines()
     for number, line in enumerate(lines, 1):
         if line.lstrip().startswith("#"):
             continue
-        separator = next((each for each in ";," if each in line), "\t")  # commas beside semicolons are of numbers
+        separator = next((each for each in ";," if each in line), "\t")  # with semicolons, commas belong to numbers
         cells = [each.strip() for each in next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])]
         while cells and not cells[-1]:
             cells.pop()
@@ -31,14 +31,14 @@ def rows(path: Path) -> Iterator[tuple[str, list[str]]]:
 
 
 def numbers(path: Path, columns: int, what: str) -> Points:
-    """n x columns.
+    """Reads a table of numbers, n x columns.
 
     Raises
     ------
     OSError
         It cannot be read.
     ValueError
-        A row is something else; the message names it, and what is expected.
+        A row is wrong; the message names it, and what is expected.
     """
     found: list[list[float]] = []
     for where, cells in rows(path):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is probably not meant, a class for each kind, so that one can be silenced, or made an error, alone."""
+"""Warnings: a class for each kind, so that each can be silenced, or made an error."""
 from __future__ import annotations
 
 import warnings
@@ -7,8 +7,7 @@ from collections.abc import Iterable
 
 
 class DeformationWarning(UserWarning):
-    """Something in a deformation is probably not meant, or only approximate; the text says what to do. Each kind is a class of its own
-    below this one."""
+    """Something in a deformation is probably not intended, or only approximate; the text says what to do. Each kind is a subclass."""
 
 
 class NothingMovesWarning(DeformationWarning):
@@ -20,7 +19,7 @@ class NotAtRestWarning(DeformationWarning):
 
 
 class FoldWarning(DeformationWarning):
-    """Triangles are flipped, or the inverse at a fold is not known."""
+    """Triangles are flipped, or the deformation has no inverse at a fold."""
 
 
 class ContactWarning(DeformationWarning):
@@ -36,7 +35,7 @@ class RigidWarning(DeformationWarning):
 
 
 class OverruledWarning(DeformationWarning):
-    """Vertices at one place have different tags."""
+    """Vertices at the same position have different tags."""
 
 
 class SlitWarning(DeformationWarning):
@@ -44,11 +43,11 @@ class SlitWarning(DeformationWarning):
 
 
 class ScanLineWarning(DeformationWarning):
-    """Points of a cloud are connected along their scan lines alone."""
+    """Points of a cloud are only connected along their scan lines."""
 
 
 class VolumeWarning(DeformationWarning):
-    """What is to keep its volume encloses none."""
+    """A part that should keep its volume encloses none, or could not keep it."""
 
 
 class NodeWarning(DeformationWarning):
@@ -56,7 +55,7 @@ class NodeWarning(DeformationWarning):
 
 
 class AccuracyWarning(DeformationWarning):
-    """A saved deformation is farther off than it is meant to be."""
+    """A saved deformation is less accurate than asked for."""
 
 
 class MatchWarning(DeformationWarning):
@@ -72,11 +71,11 @@ class SymmetryWarning(DeformationWarning):
 
 
 class CompensationWarning(DeformationWarning):
-    """Little of a part is scanned, or its warp leaves much."""
+    """Little of a part is scanned, or much is left after the warp."""
 
 
 class LineWarning(DeformationWarning):
-    """Parts of a surface do not go with the line."""
+    """Parts of a surface do not move with the line, or its middles were not used."""
 
 
 Told = tuple[type[DeformationWarning], str]

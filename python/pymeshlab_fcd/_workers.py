@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Processes that work for this one, and end with it, however it ends."""
+"""Worker processes that end with this one, however it ends."""
 from __future__ import annotations
 
 import _thread
@@ -15,24 +15,24 @@ from typing import Any, Final, Protocol, TypeVar
 
 Result = TypeVar("Result")
 
-_GRACE: Final = 2.0  # seconds, for what is begun to remove its unfinished files
+_GRACE: Final = 2.0  # seconds, for running jobs to remove unfinished files
 
 _is_ending = False
 _is_busy = False
 
 
 class Terminated(KeyboardInterrupt):
-    """By SIGTERM, as KeyboardInterrupt is by Ctrl-C."""
+    """Raised by SIGTERM, like KeyboardInterrupt by Ctrl-C."""
 
 
 @contextlib.contextmanager
 def terminable() -> Iterator[None]:
-    """SIGTERM raises Terminated in here, once."""
+    """Within this context, SIGTERM raises Terminated, once."""
     def end(*_: object) -> None:
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
         raise Terminated
 
-    if threading.current_thread() is not threading.main_thread():  # which alone has signals
+    if threading.current_thread() is not threading.main_thread():  # only the main thread gets signals
         yield
         return
     before = signal.signal(signal.SIGTERM, end)
@@ -43,12 +43,12 @@ def terminable() -> Iterator[None]:
 
 
 def _interrupt(*_: object) -> None:
-    if _is_ending and _is_busy:  # not by Ctrl-C itself: the parent has it, too
+    if _is_ending and _is_busy:  # ignores Ctrl-C itself: the parent gets it, too, and ends this
         raise KeyboardInterrupt
 
 
 class _End(Protocol):
-    """Of a pipe, whose class is another one on Windows."""
+    """An end of a pipe; its class differs on Windows."""
 
     def poll(self, timeout: float | None = ...) -> bool: ...
 
@@ -57,7 +57,7 @@ def _watch(parent: _End) -> None:
     def wait() -> None:
         global _is_ending
         with contextlib.suppress(OSError):
-            parent.poll(None)  # nothing ever comes, until it is closed
+            parent.poll(None)  # waits until the parent closes it
         _is_ending = True
         _thread.interrupt_main()
         time.sleep(_GRACE)
@@ -68,7 +68,7 @@ def _watch(parent: _End) -> None:
 
 
 def run(call: Callable[..., Result], *arguments: Any) -> Result:
-    """A call in one of the processes."""
+    """Runs a call in a worker."""
     global _is_busy
     _is_busy = True
     try:
@@ -80,7 +80,8 @@ def run(call: Callable[..., Result], *arguments: Any) -> Result:
 
 @contextlib.contextmanager
 def pool(processes: int) -> Iterator[ProcessPoolExecutor]:
-    """Processes for `run`; no copies of this one, which may have threads. After an exception, or when this one is gone, they end at once."""
+    """Worker processes for `run`. They are spawned, not forked, since this process may have threads. After an exception, or when this process
+    ends, they end at once."""
     context = multiprocessing.get_context("spawn")
     theirs, ours = context.Pipe(duplex=False)
     made = ProcessPoolExecutor(processes, mp_context=context, initializer=_watch, initargs=(theirs,))

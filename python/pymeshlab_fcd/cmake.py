@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where CMake finds the C++ library that this package brings: its headers, fcd::vcg_ext, and find_package(fcd).
+"""Tells where CMake finds the C++ library of this package: headers, fcd::vcg_ext, and find_package(fcd).
 
     cmake -S . -B build -DCMAKE_PREFIX_PATH=$(python -m pymeshlab_fcd.cmake)"""
 import sys
@@ -12,7 +12,7 @@ def prefix() -> Path:
     Returns
     -------
     pathlib.Path
-        With include, lib and lib/cmake/fcd.
+        It has include, lib and lib/cmake/fcd.
 
     Raises
     ------
