@@ -32,7 +32,7 @@ GraphPose SolvedBy(const Rig &rig, const std::vector<Affine3d> &motion, const So
     return AffineDeformer(rig.graph, rig.constrained, rig.surface.area, {}, {}, 0.75, param).Solve(motion, param);
 }
 
-/// Eq. 2 with affine maps, the difference of two counted once an edge, and what their stretch costs.
+/// Eq. 2 with affine maps, each edge's difference of maps counted once, plus the cost of their stretch.
 double AffineEnergy(const Rig &rig, const std::vector<Affine3d> &motion, const GraphPose &pose, double smooth,
                     double rigidity) {
     const DeformationGraph &g = rig.graph;
@@ -68,7 +68,7 @@ Affine3d RandomAffine(unsigned seed) {
     return affine;
 }
 
-/// Points all over a shape, each where \p place has it.
+/// Landmarks all over a shape, with targets by \p place.
 template <class Place>
 Handles PointsAt(const Shape &shape, int count, const Place &place) {
     Handles handles;
@@ -111,7 +111,7 @@ TEST(AffineDeformer, ReportsTheEnergyAndIsWhereItIsLeast) {
         EXPECT_NEAR(pose.energy, energy, 1e-6 * energy) << rigidity;
         EXPECT_NEAR(std::accumulate(pose.nodeEnergy.begin(), pose.nodeEnergy.end(), 0.0), energy, 1e-6 * energy);
         std::mt19937 random(1);
-        for (int n = 0; n < 30; ++n) { // anywhere else it is more
+        for (int n = 0; n < 30; ++n) { // more energy elsewhere
             GraphPose other = pose;
             for (Index i = 0; i < rig.graph.Size(); ++i)
                 if (!rig.constrained[i]) {
@@ -180,7 +180,7 @@ TEST(AffineDeformer, IsLinearInTheMotionsAtZero) {
     const Matrix3Xd rest = rig.graph.graph.position.cast<double>();
     EXPECT_EQ(whole.iterations, 1);
     EXPECT_LE((2 * (half.position - rest) - (whole.position - rest)).cwiseAbs().maxCoeff(), 1e-5);
-    // A pose does not depend on the way to it.
+    // A pose does not depend on earlier ones.
     const AffineDeformer deformer(rig.graph, rig.constrained, rig.surface.area, {}, {}, 0.75, WithRigidity(0));
     const std::vector<Affine3d> motion = rig.NodeMotion(BendRig);
     EXPECT_TRUE(SameBits(deformer.Solve(motion, WithRigidity(0), {}, &half, motion).position, whole.position));
@@ -310,7 +310,7 @@ TEST(Rigidity, IsRefusedOutOfRangeAndWhereItContradicts) {
     SolverParam high = WithRigidity(0);
     high.smoothness = 1e307;
     const Rig rig = AffineRig();
-    const double area = 100; // no number holds what follows from both
+    const double area = 100; // the product overflows
     EXPECT_EQ(
         MessageOf<Unsolvable>([&] { AffineDeformer(rig.graph, rig.constrained, area, {}, {}, 0.75, high); }),
         "The deformation graph's system cannot be factorised with a rigidity below 1. Take a smoothness nearer to "
@@ -318,7 +318,7 @@ TEST(Rigidity, IsRefusedOutOfRangeAndWhereItContradicts) {
 }
 
 TEST(Rigidity, SaysWhereItTakesTooLong) {
-    const Index k = 9000; // which a rigidity of 1 does
+    const Index k = 9000; // fine for rigidity 1
     DeformationGraph g;
     g.graph.adjacency = RandomGraph(k, 5 * k, 1);
     std::mt19937 random(2);

@@ -31,8 +31,8 @@ class CountedFace : public vcg::Face<CountedTypes, vcg::face::VertexRef, vcg::fa
 class CountedEdge : public vcg::Edge<CountedTypes, vcg::edge::VertexRef, vcg::edge::BitFlags> {};
 using CountedMesh = MeshOf<CountedVertex, CountedEdge, CountedFace>;
 
-/// Vertices with normals of their own, of which some are deleted and some have no face; faces of which some are deleted
-/// and one may not be read. \param shuffled whether the corners of a face are far from each other in memory
+/// A mesh with normals. Some vertices are deleted and some have no face; some faces are deleted and one must not be
+/// read. \param shuffled whether the corners of a face are far from each other in memory
 class Bumps : public CountedMesh {
   public:
     explicit Bumps(bool shuffled) : CountedMesh(ShapeOf(shuffled)) {
@@ -83,7 +83,7 @@ bool Same(const std::vector<double> &a, const std::vector<double> &b) { // to th
 TEST(AngleNormals, AreThoseOfVcgForAnyNumberOfThreads) {
     for (bool shuffled : {false, true}) {
         Bumps expected(shuffled);
-        for (CountedVertex &vertex : expected.vert) // which vcg keeps otherwise where it is deleted or has no face
+        for (CountedVertex &vertex : expected.vert) // vcg does not change deleted ones and those without a face
             if (vertex.IsD())
                 vertex.ClearD();
         vcg::tri::UpdateNormal<CountedMesh>::PerFaceNormalized(expected);
@@ -105,7 +105,7 @@ TEST(AngleNormals, TakeTheSameWorkForAnyNumberOfThreads) {
             return double(visits);
         };
         const double one = visitsOf(1);
-        EXPECT_LE(one, 2 * double(mesh.face.size())); // for their normals, and to add these up
+        EXPECT_LE(one, 2 * double(mesh.face.size())); // once for the normals, once for their sums
         for (unsigned threads : {2u, 4u, 64u})
             EXPECT_LE(visitsOf(threads), 1.2 * one) << threads << " threads, shuffled: " << shuffled;
     }

@@ -18,11 +18,11 @@
 using namespace vcg::fcd;
 using namespace fcd_test;
 
-// What FCD: Bend makes of marks, handles and motions, without a window and without a layer.
+// Marks, handles and motions of FCD: Bend, without a window and a layer.
 
 namespace {
 
-/// A model on a shape at rest, and where its vertices are.
+/// A model on a shape at rest.
 struct Bent {
     explicit Bent(const Shape &shape)
         : position(shape.position),
@@ -52,7 +52,7 @@ struct Bent {
         update();
     }
     int tagAt(const Eigen::Vector3d &p) const { return (*model.influence.tags)[nearest(p)]; }
-    /// Marks what is \p isIn, with a rim, as the tool does.
+    /// Marks the vertices that \p isIn tells, with a rim, as the tool does.
     template <class IsIn>
     std::set<int> mark(int tag, double rim, const IsIn &isIn) {
         BendTags marks = model.state.marks ? *model.state.marks : BendTags(position.size(), 1);
@@ -133,7 +133,7 @@ TEST(BendModel, APullTakesATipAlongAndAGripHoldsIt) {
 }
 
 TEST(BendModel, AGripOnALimbTurnsAboutItsJoint) {
-    // One that is twice as far to the right of the handle as it bends, and three times to the left, at an angle.
+    // The tube reaches twice the radius to the right of the handle and three times to the left, at an angle.
     const Eigen::AngleAxisd turned(0.7, Eigen::Vector3d(1, 2, 3).normalized());
     Shape limb = Limb();
     for (Eigen::Vector3d &p : limb.position)
@@ -159,7 +159,7 @@ TEST(BendModel, AGripOnALimbTurnsAboutItsJoint) {
     setPivot(bent.model, 2, {});
     EXPECT_LT((pivotOf(bent.model, 2) - *jointOf(bent.model, 2) - Eigen::Vector3d(0, 1, 0)).norm(), 1e-12);
 
-    Bent thick(Limb(0.5)); // no limb for a handle that bends less than half around it
+    Bent thick(Limb(0.5)); // no limb if the radius reaches less than half around
     thick.addPoint(2, {0, 0.5, 0}, radius, true);
     EXPECT_FALSE(jointOf(thick.model, 2));
     EXPECT_EQ(pivotOf(thick.model, 2), dotOf(thick.model, 2));
@@ -203,7 +203,7 @@ TEST(BendModel, WhatWouldMoveIsSeenBefore) {
 }
 
 TEST(BendModel, ALimbBeginsWhereItGetsThicker) {
-    // A limb of 0.16 on a body three times as thick, from x = 0 on: what is at the left of that.
+    // A limb 0.16 thick, from x = 0 to the right, on a body three times as thick.
     Shape figure = Limb(0.08, 400, {0, 0, 0}, 1, 48);
     for (Eigen::Vector3d &p : figure.position) {
         const double thick = p[0] < 0 ? 3 : p[0] < 0.05 ? 3 - 40 * p[0] : 1;
@@ -224,7 +224,7 @@ TEST(BendModel, ALimbBeginsWhereItGetsThicker) {
     const std::size_t near = bent.nearest({0.2, 0, 0.08});
     EXPECT_EQ(bent.reach.rootOfLimb(near, usual, 0.01), near) << "it begins there";
     EXPECT_FALSE(bent.reach.rootOfLimb(bent.nearest({-0.5, 0, 0.24}), usual, 0.01)) << "the body is no limb";
-    for (const double x : {0.9, 1.0}) { // near its end, where nothing is beyond
+    for (const double x : {0.9, 1.0}) { // near its end, with nothing beyond
         const auto root = bent.reach.rootOfLimb(bent.nearest({x, 0, 0.08}), usual, 0.01);
         ASSERT_TRUE(root) << x;
         EXPECT_NEAR(bent.position[*root][0], 0.2, 0.1) << x;
@@ -232,7 +232,7 @@ TEST(BendModel, ALimbBeginsWhereItGetsThicker) {
 }
 
 TEST(BendModel, AStrokeGivesTheJointAndWhatLiesBeyond) {
-    // A limb of 0.16 on a body three times as thick, at an angle; and with many vertices, as one sees before.
+    // A limb 0.16 thick on a body three times as thick, at an angle; also with many vertices, for the preview.
     const Eigen::AngleAxisd turned(0.7, Eigen::Vector3d(1, 2, 3).normalized());
     const double usual = 0.3, hair = 0.01, thickness = 0.16;
     for (const bool isFine : {false, true}) {
@@ -274,7 +274,7 @@ TEST(BendModel, AStrokeGivesTheJointAndWhatLiesBeyond) {
 
 TEST(BendModel, AStrokeAtAWristTakesTheWiderHandAlong) {
     Shape arm = Limb(0.06, 300, {0, 0, 0}, 1, 40);
-    for (Eigen::Vector3d &p : arm.position) // a hand of twice the width, which is flat
+    for (Eigen::Vector3d &p : arm.position) // a flat hand of twice the width
         p = {p[0], p[1] * (p[0] < 0.6 ? 1 : std::min(2.0, 1 + 8 * (p[0] - 0.6))), p[2] * (p[0] < 0.6 ? 1 : 0.7)};
     Bent bent(arm);
     for (const double y : {0.0, 0.06}) { // on the back of the hand, and at its edge
@@ -380,7 +380,7 @@ TEST(BendModel, ANewHandleLeavesWhatOthersBend) {
     for (std::size_t i = 0; i < before.size(); ++i)
         if (before[i] != 0)
             EXPECT_EQ((*bent.model.influence.tags)[i], before[i]) << bent.position[i].transpose();
-    setRadiusOf(bent.model.state, 3, radius); // it is asked for
+    setRadiusOf(bent.model.state, 3, radius); // as by the user
     bent.update();
     EXPECT_FALSE(isKeptApart(bent.model, 3));
 }
@@ -489,7 +489,7 @@ TEST(BendModel, UndoGoesBackAndForth) {
     EXPECT_FALSE(history.undo(now));
     for (int i = 1; i < 6; ++i) {
         history.begin(now);
-        history.begin(now); // nothing came of it
+        history.begin(now); // without a change
         now.pose = i;
     }
     for (const double pose : {4.0, 3.0, 2.0}) {
@@ -655,7 +655,7 @@ TEST(BendDrag, TheMouseAndNumbersMakeMotions) {
 }
 
 TEST(BendDrag, ALimbFollowsTheMouse) {
-    Camera view; // 100 pixels are two units, seen from z
+    Camera view; // 100 pixels are two units; from z
     view.width = view.height = 100;
     BendDrag drag;
     drag.tag = 2;
@@ -670,7 +670,7 @@ TEST(BendDrag, ALimbFollowsTheMouse) {
         const auto motions = drag.motions(view);
         return Eigen::Vector3d(Eigen::Affine3d(ToMotion(motions.at(tag), {0.3, 0.2, 0.1}).matrix) * place);
     };
-    const auto to = [&](double x, double y) { // world, where the held place is to go
+    const auto to = [&](double x, double y) { // the mouse leads the held point there, world
         drag.moveTo(view, {50 + 50 * x, 50 + 50 * y, 0.5});
     };
     to(-0.5, 0.5); // a quarter of a circle
@@ -678,9 +678,9 @@ TEST(BendDrag, ALimbFollowsTheMouse) {
         EXPECT_LT((placeOf(tag, drag.held) - Eigen::Vector3d(-0.5, 0.5, 0)).norm(), 1e-4) << tag;
     EXPECT_LT((placeOf(2, drag.pivot) - drag.pivot).norm(), 1e-4) << "it keeps its length";
     EXPECT_EQ(drag.steps(view).size(), 1U);
-    to(-0.5, 0.3); // nearer to the joint: it points there, and is not squeezed
+    to(-0.5, 0.3); // nearer to the joint: it points there, with its length
     EXPECT_LT((placeOf(2, drag.held) - Eigen::Vector3d(-0.5, 0.5, 0)).norm(), 1e-4);
-    to(-0.5, 0.8); // farther than it reaches: it is not stretched
+    to(-0.5, 0.8); // out of reach: it keeps its length
     EXPECT_LT((placeOf(2, drag.held) - Eigen::Vector3d(-0.5, 0.5, 0)).norm(), 1e-4);
     EXPECT_EQ(drag.steps(view).size(), 1U);
     drag.typed = "30";
@@ -693,7 +693,7 @@ TEST(BendDrag, ALimbFollowsTheMouse) {
     drag.kind = BendDrag::Limb;
     drag.from = drag.last = {50, 50, 0.5};
     drag.pivot = {-0.5, 0, 0};
-    drag.held = {-0.2, 0, -0.4}; // in the view's depth: it turns out of that
+    drag.held = {-0.2, 0, -0.4}; // away from the eye: it turns into the view plane
     to(0.2, 0);
     const Eigen::Vector3d now = placeOf(2, drag.held);
     EXPECT_NEAR(now[0], 0, 1e-4);
@@ -705,7 +705,7 @@ TEST(BendDrag, ALimbFollowsTheMouse) {
 
 namespace {
 
-/// A drag of a limb, seen from z with 1000 pixels a unit, whose mouse begins on what is held.
+/// A drag of a limb, seen from z with 1000 pixels per unit, that begins at the held point.
 BendDrag LimbDrag(const Eigen::Vector3d &held, const Eigen::Vector3d &joint,
                   const std::optional<Eigen::Vector3d> &before) {
     BendDrag drag;
@@ -733,7 +733,7 @@ Eigen::Affine3d MotionOf(const BendDrag &drag, int tag) {
 } // namespace
 
 TEST(BendDrag, ALimbDoesNotJump) {
-    // However near to the joint the mouse passes, in a limb of one piece and in one of two bones, bent or straight.
+    // However near to the joint the mouse passes: one piece or two bones, bent or straight.
     const Eigen::Vector3d joint(-0.4, 0, 0), held(0.4, 0.03, 0.05);
     const auto before = [](double x, double y) { return std::optional(Eigen::Vector3d(x, y, 0)); };
     for (const auto &[middle, root] : {std::pair{joint, before(0, 0)},
@@ -756,8 +756,7 @@ TEST(BendDrag, ALimbDoesNotJump) {
                 most = std::max(most, 0.1 * (now.linear() - last.linear()).norm());
                 last = now;
             }
-            // A pixel is 0.001. Where it is at its full length, what bends, or is in the depth, goes as the root of
-            // that.
+            // A pixel is 0.001. Near the full length, bend and depth change by the root of the move.
             EXPECT_LT(most, 0.05) << "aside " << aside;
             BendDrag fast = LimbDrag(held, middle, isPiece ? std::nullopt : root);
             fast.moveTo(FromZ(), drag.from + way);
@@ -794,7 +793,7 @@ TEST(BendDrag, ALimbOfTwoJointsIsAChain) {
     const double reach = (elbow - root).norm() + (held - elbow).norm();
     EXPECT_NEAR((to({0.8, 0.3, 0}) - root).norm(), reach, 1e-4) << "it is straight, and no longer";
     EXPECT_GT((to({-0.8, 0.0, 0}) - root).norm(), 0.2 * reach) << "no more bent than an elbow";
-    drag.typed = "30"; // that is the last joint's
+    drag.typed = "30"; // turns the last joint
     drag.axis = 2;
     EXPECT_EQ(WriteMotionText({{2, drag.motions(FromZ()).at(2)}, {3, drag.motions(FromZ()).at(3)}}),
               "2: rotate 0 0 1 30 about 0 0.2 0.1");
@@ -845,7 +844,7 @@ TEST(FrameScale, IsWhereFramesAndMarksAre) {
 
 namespace {
 
-/// Of each thing that a state has, something; numbers have no few digits.
+/// A state with something in each member, and numbers of many digits.
 BendState FullState(std::size_t vertexSlots) {
     BendState state;
     state.points[2] = {7, 1.0 / 3, true};
@@ -889,7 +888,7 @@ BendOptions OtherOptions() {
     return options;
 }
 
-/// Slots, of which some are deleted.
+/// Vertex slots, some of them deleted.
 std::vector<std::size_t> LiveSlots(std::size_t vertexSlots) {
     std::vector<std::size_t> live;
     for (std::size_t i = 0; i < vertexSlots; ++i)
@@ -909,14 +908,14 @@ TEST(BendText, HasAllThatIsKnown) {
     ASSERT_TRUE(read.rims && read.marks);
     EXPECT_EQ(*read.rims, *state.rims);
     EXPECT_EQ(*read.marks, *state.marks);
-    read.rims = state.rims; // else the very same is meant
+    read.rims = state.rims; // compared by pointer
     read.marks = state.marks;
     EXPECT_TRUE(read == state) << text;
     EXPECT_TRUE(how.givesSameShape(options));
     EXPECT_EQ(how.mirror, 2);
     EXPECT_EQ(how.axes, BendAxes::Surface);
 
-    // Where nothing is deleted any more, the same vertices have other slots.
+    // Without the deleted ones, the same vertices have other slots.
     const std::vector<std::size_t> packed = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
     const BendState there = readBendText(text, "text", packed, 16).first;
     EXPECT_EQ(live[there.points.at(2).slot], 7U);

@@ -10,7 +10,7 @@ using BlockFactor = vcg::fcd::detail::BlockFactor<6>;
 using BlockMatrix = vcg::fcd::detail::BlockMatrix<6>;
 using vcg::fcd::detail::SparseFactor;
 
-/// \p shift of the diagonal: 20 for a positive definite matrix, 0 for none of that
+/// \param shift of the diagonal: 20 makes it positive definite, 0 does not
 static BlockMatrix RandomBlocks(Index n, int beside, double shift) {
     std::mt19937 random(1);
     const auto number = [&] { return double(random() % 1000) / 1000 - 0.5; };
@@ -23,7 +23,7 @@ static BlockMatrix RandomBlocks(Index n, int beside, double shift) {
         const Index row = Index(random() % unsigned(n)), column = Index(random() % unsigned(n));
         if (row == column)
             continue;
-        matrix.where.emplace_back(row, column); // may be there twice: they are summed
+        matrix.where.emplace_back(row, column); // repeated entries are summed
         matrix.beside.push_back(BlockMatrix::Block::NullaryExpr(number));
     }
     return matrix;

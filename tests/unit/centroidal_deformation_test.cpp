@@ -63,7 +63,7 @@ TEST(DeformCentroidal, OneRigidMotionMovesTheWholeMesh) {
         }
 }
 
-/// All free but \p count points, spread over the mesh, that \p motion moves.
+/// All vertices are free except \p count landmarks, spread over the mesh, which \p motion moves.
 static Handles PointsOf(const Shape &shape, int count, const Affine3d &motion) {
     Handles handles;
     handles.tag.assign(shape.position.size(), 1);
@@ -85,7 +85,7 @@ TEST(DeformCentroidal, PointHandlesArriveAndTurnFreely) {
             const DeformationResult r = DeformCentroidal(MeshD(shape), PointsOf(shape, count, rigid), param);
             EXPECT_EQ(r.tags.handle, count);
             EXPECT_EQ(r.tags.free, 1440 - count);
-            // Nobody said that the surface turns, but it does, as a whole.
+            // Landmarks only shift, but the surface turns as a whole.
             EXPECT_LE((r.position - rigid * rest).cwiseAbs().maxCoeff(), 1e-6) << count << " points";
         }
 }
@@ -124,7 +124,7 @@ TEST(DeformCentroidal, ASingleVertexThatIsOnlyMovedIsAPointHandle) {
 }
 
 TEST(DeformCentroidal, TheSurfaceFollowsASmallHandle) {
-    // A single vertex in the middle of a sheet is lifted: what is half a patch away goes most of the way with it.
+    // A single vertex in the middle of a sheet is lifted. Half a patch away, the surface still moves most of that.
     const Shape shape = Grid(81, 81, 0.1);
     Handles handles;
     handles.tag.assign(81 * 81, 1);
@@ -199,7 +199,7 @@ TEST(DeformCentroidal, NoMotionIsTheRestPoseToTheBit) {
     }
 }
 
-/// Shapes of all kinds with tags anywhere.
+/// Shapes of all kinds with random tags.
 static std::vector<Case> RandomlyTagged(const Affine3d &motion) {
     std::vector<Case> cases;
     const std::vector<Shape> shapes{Jittered(Tube(30, 14), 0.02),
@@ -209,7 +209,7 @@ static std::vector<Case> RandomlyTagged(const Affine3d &motion) {
                                     PointCloud(300),
                                     Wireframe(12, 9)};
     for (std::size_t i = 0; i < shapes.size(); ++i)
-        for (unsigned often : {2, 30}) { // so many tags are held
+        for (unsigned often : {2, 30}) { // one in so many is held
             std::mt19937 random(unsigned(i) + 1);
             Case c{shapes[i], Handles()};
             for (std::size_t v = 0; v < c.shape.position.size(); ++v)
@@ -249,7 +249,7 @@ TEST(DeformCentroidal, OneRigidMotionMovesEverythingWhereverTheTagsAre) {
         }
 }
 
-/// The tags of \p c for its shape twice: what comes first has the tag \p before.
+/// The tags for the shape of \p c twice: \p before for the first copy, those of \p c for the second.
 static Case With(const Case &c, const Shape &before, int tagBefore, const Shape &after, int tagAfter) {
     Case with{Join(before, Join(c.shape, after)), c.handles};
     with.handles.tag.assign(before.position.size(), tagBefore);
@@ -260,7 +260,7 @@ static Case With(const Case &c, const Shape &before, int tagBefore, const Shape 
     return with;
 }
 
-/// The result for \p with, of which \p c is what comes after \p first vertices, is that for \p c there.
+/// Expects that \p c, which is in \p with from vertex \p first on, gets the same result there as alone.
 static void ExpectNoBitChanged(const Case &c, const Case &with, int first, const DeformationParam &param = Param()) {
     const DeformationResult alone = DeformCentroidal(MeshD(c.shape), c.handles, param),
                             both = DeformCentroidal(MeshD(with.shape), with.handles, param);
@@ -356,7 +356,7 @@ TEST(DeformCentroidal, PullingOneOfTwoStripsThatAFixedPartJoinsLeavesTheOther) {
 }
 
 TEST(DeformCentroidal, HoldsASoupWithATagPerFaceAsItsWeldedMesh) {
-    // What is welded is held where one of its corners is; so is the soup, though its faces share no vertex.
+    // A welded vertex is held if one of its corners is; also in a soup, whose faces share no vertex.
     const Shape tube = Jittered(Tube(40, 16), 0.02), soup = Unwelded(tube);
     Case faces{soup, {}}, welded{tube, {}};
     welded.handles.tag.assign(tube.position.size(), 1);
@@ -412,7 +412,7 @@ TEST(DeformCentroidal, PatchesOfFewVerticesAreNearToANodeAtEveryVertex) {
 }
 
 TEST(DeformCentroidal, TheNumberOfNodesFollowsTheFreeArea) {
-    // A sheet of which less and less is free: D goes with the square root of that, and the number of free nodes stays.
+    // Less and less of a sheet is free: D falls with its square root, and the number of free nodes stays.
     std::vector<double> free, radius;
     for (double limit : {60.5, 30.5, 15.5}) {
         const Case c = CaseOf(Grid(121, 61), [&](const Vector3d &p) { return p[0] < 2 ? 0 : p[0] < limit ? 1 : 2; });
@@ -436,7 +436,7 @@ TEST(DeformCentroidal, TheNumberOfNodesFollowsTheFreeArea) {
 }
 
 TEST(DeformCentroidal, RefiningAPartOfTheSurfaceHardlyChangesTheShape) {
-    // Vertices of the same surface: the left half of a sheet is sampled four times as densely.
+    // The same surface, with the left half sampled four times as densely.
     const auto tag = [](const Vector3d &p) { return p[0] < 0.5 ? 0 : p[0] > 7.5 ? 2 : 1; };
     const Affine3d lifted(Eigen::Translation3d(0, 0, 2));
     const Case c = CaseOf(Grid(81, 41, 0.1), tag, lifted);
@@ -515,7 +515,7 @@ TEST(DeformCentroidal, WhatIsThereSeveralTimesCountsOnce) {
         EXPECT_LE(PercentApart(mesh, deformed(many)), 0.2) << "faces " << times << " times";
     }
     for (int times : Rounds({8, 30}))
-        for (double hair : {0.0, 1e-7}) { // tags are told before points are moved
+        for (double hair : {0.0, 1e-7}) { // tags are of the positions before the jitter
             std::mt19937 random(1);
             Case c{{}, {}};
             c.handles.motion[2] = Motion(bend.matrix());
@@ -533,7 +533,7 @@ TEST(DeformCentroidal, WhatIsThereSeveralTimesCountsOnce) {
 }
 
 TEST(DeformCentroidal, AnUnweldedMeshWithLoosePartsHasTheShapeOfTheWeldedOne) {
-    // A sleeve around a body of large triangles, of which a place is several vertices.
+    // A sleeve around a body of large triangles: a place on it has several vertices.
     Shape sleeve = Tube(61, 40, 4);
     for (Vector3d &p : sleeve.position)
         p = Vector3d(1.4 * p[0], 1.4 * p[1], p[2] + 1);
@@ -674,7 +674,7 @@ TEST(DeformCentroidal, SeamsStayTogether) {
 }
 
 TEST(DeformCentroidal, SeamsWithDifferentTagsStayTogether) {
-    // Fixed beats a handle, both beat free, and both sides go to the same place.
+    // Fixed wins over a handle, both win over free, and both sides move to the same place.
     for (const auto &pair : {std::make_pair(2, 1), std::make_pair(0, 1), std::make_pair(-1, 1), std::make_pair(0, 2),
                              std::make_pair(3, 2), std::make_pair(-1, 0)}) {
         Case c = TubeCase();
@@ -850,7 +850,7 @@ TEST(DeformCentroidal, DeletedElementsAreLeftAlone) {
     EXPECT_EQ(r.tags.handle, DeformCentroidal(MeshD(TubeCase().shape), TubeCase().handles, Param()).tags.handle);
 }
 
-/// A tube and, beside its handle, a button that nothing holds.
+/// A tube and, beside its handle, a loose button.
 static Case SleeveAndButton() {
     const Shape button = Moved(Sphere(6, 8), Affine3d(Eigen::Translation3d(1.5, 0, 5.5) * Eigen::Scaling(0.2)));
     return CaseOf(Join(Tube(40, 16), button), [](const Vector3d &p) { return p[0] > 1.1 ? 1 : TubeTag(p); });
@@ -884,7 +884,7 @@ TEST(DeformCentroidal, UsesGivenNodes) {
     ExpectHeldExact(mesh, c.handles, r.position);
     int used = 0;
     for (int j = 0; j < int(param.nodes.cols()); ++j) {
-        if (TubeTag(param.nodes.col(j)) != 1) // nodes are made where the surface is free
+        if (TubeTag(param.nodes.col(j)) != 1) // nodes are only made on free surface
             continue;
         ++used;
         const double nearest = (r.rest.position.colwise() - param.nodes.col(j)).colwise().norm().minCoeff();
@@ -895,7 +895,7 @@ TEST(DeformCentroidal, UsesGivenNodes) {
     ExpectHeldExact(mesh, c.handles, DeformCentroidal(mesh, c.handles, param).position);
     param.nodes = PositionsOf(mesh); // all of them
     ExpectHeldExact(mesh, c.handles, DeformCentroidal(mesh, c.handles, param).position);
-    param.nodes = Matrix3Xd::Zero(3, 5); // none beside the surface, at a distance that is less than that between five
+    param.nodes = Matrix3Xd::Zero(3, 5); // all nearer to the surface than five patches are to each other
     EXPECT_EQ(DeformCentroidal(mesh, c.handles, param).placedNodes, 5);
 }
 
@@ -909,10 +909,10 @@ TEST(DeformCentroidal, LeavesOutGivenNodesThatAreNotOnTheSurface) {
     const DeformationResult all = DeformCentroidal(mesh, c.handles, param);
     EXPECT_EQ(all.placedNodes, k);
     EXPECT_EQ(DeformCentroidal(mesh, c.handles, Param()).placedNodes, 0) << "none was given";
-    // Shifted by less than a patch they still are its nodes ...
+    // Shifted by less than a patch, they are still its nodes ...
     param.nodes = nodes.colwise() + Vector3d(0.05, 0.05, 0.1);
     EXPECT_EQ(DeformCentroidal(mesh, c.handles, param).placedNodes, k);
-    // ... as many others elsewhere change nothing ...
+    // ... as many others elsewhere have no effect ...
     param.nodes.resize(3, 2 * k);
     param.nodes << nodes, nodes.colwise() + Vector3d(0, 100, 0);
     const DeformationResult some = DeformCentroidal(mesh, c.handles, param);
@@ -964,7 +964,7 @@ TEST(DeformCentroidal, SeamsAHairApartDoNotTear) {
 }
 
 TEST(DeformCentroidal, ReachesItsPoseOverSteps) {
-    // The branch that begins at rest: one step further moves no vertex by more than a few times what the handle moves.
+    // The branch from rest: a further step moves no vertex by more than a few times the handle's move.
     Case c = TubeCase();
     Affine3d squeeze = Affine3d::Identity();
     squeeze.translation() = Vector3d(0.2, 0, -4.5);
@@ -981,7 +981,7 @@ TEST(DeformCentroidal, ReachesItsPoseOverSteps) {
         before = x;
     }
     EXPECT_LE(*std::max_element(jump.begin(), jump.end()), 6);
-    // Where there is one branch only, the way to it makes no difference.
+    // With a single branch, the steps make no difference.
     c = TubeCase();
     param = Param();
     param.tolerance = 1e-8;
@@ -1034,7 +1034,7 @@ TEST(DeformCentroidal, TakesPointClouds) {
     const DeformationResult r = DeformCentroidal(mesh, c.handles, Param());
     EXPECT_TRUE(r.surface.pointCloud);
     ExpectHeldExact(mesh, c.handles, r.position);
-    // It bends like the tube it was taken from.
+    // It bends like the tube of which it is a part.
     EXPECT_LE((r.position - Deformed(TubeCase())).colwise().norm().maxCoeff(), 0.5);
 }
 
@@ -1046,7 +1046,7 @@ TEST(DeformCentroidal, TakesFloatMeshes) {
     EXPECT_LE((r.position - Deformed(c)).cwiseAbs().maxCoeff(), 1e-9); // float holds these coordinates
 }
 
-/// Tags 2, 1, 0, 1 around and around.
+/// Tags 2, 1, 0, 1, repeated.
 static Handles TagsInTurn(int n) {
     Handles h;
     for (int i = 0; i < n; ++i)
@@ -1292,7 +1292,7 @@ TEST(DeformCentroidal, NodesHaveNormalsWhereTheHandleIsFlat) {
     for (int i = 0; i < shape.Size(); ++i)
         mesh.vert[i].N() = mesh.vert[i].P();
     Case c = CaseOf(shape, [](const Vector3d &p) { return p[2] < -0.7 ? 0 : p[2] > 0.2 ? 2 : 1; });
-    Eigen::Matrix4d &flat = c.handles.motion[2].matrix; // set by hand it is not refused
+    Eigen::Matrix4d &flat = c.handles.motion[2].matrix; // set directly, it is not refused
     flat = Eigen::Vector4d(1, 1, 0, 1).asDiagonal();
     flat(2, 3) = 1;
     stages.clear();

@@ -35,7 +35,7 @@ TEST(DeformationCheck, FindsNothingWhereAllIsWell) {
     }
 }
 
-/// CountFlipped where all is one patch that \p linear turns.
+/// CountFlipped with a single patch, which \p linear turns.
 static Index FoldedOf(const MeshD &mesh, const Eigen::Matrix3Xd &position, const Eigen::Matrix3d &linear) {
     const std::vector<int> free(mesh.vert.size(), 1);
     SurfaceGraph surface = ReadFreeSurface(Read(mesh), free, Eigen::Matrix3d::Identity(), {});

@@ -7,7 +7,7 @@ using namespace fcd_test;
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-/// A map of space that turns by so much a unit of z.
+/// A map of space that turns in proportion to z.
 struct Twist {
     double rate = 0.3;
 

@@ -37,7 +37,7 @@ static std::string Replaced(std::string text, const std::string &from, const std
     return text.replace(at, from.size(), to);
 }
 
-/// A file as the first version was, which had no largest difference and no checksum.
+/// A file of version 1, without largest difference and checksum.
 static std::string OfVersion1(std::string text) {
     const std::size_t from = text.find("comment largest"), to = text.find("element vertex");
     return Replaced(text.erase(from, to - from), "version 2", "version 1");

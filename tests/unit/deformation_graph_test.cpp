@@ -80,7 +80,7 @@ static std::uint32_t ItemOf(const Csr &adjacency, Index i, Index j) {
     return std::uint32_t(std::lower_bound(adjacency[i].begin(), adjacency[i].end(), j) - adjacency.item.data());
 }
 
-/// Symmetric, positive, and edges that turn round with the direction.
+/// Expects symmetric, positive weights, and edges with opposite signs in both directions.
 static void ExpectSoundWeights(const DeformationGraph &d) {
     const Csr &adjacency = d.graph.adjacency;
     ASSERT_EQ(d.weight.size(), adjacency.item.size());
@@ -170,7 +170,7 @@ TEST(DeformationGraph, PatchesLikeBricksCarryAsMuchAcrossAsAlong) {
             << slope.transpose();
 }
 
-/// Each face whose corners are all at x < \p limit in four, its neighbours cut so that they fit.
+/// Divides each face with all corners at x < \p limit into four, and cuts its neighbours to fit.
 static Shape RefinedLeft(Shape s, double limit) {
     std::map<std::pair<int, int>, int> middle;
     for (const auto &f : s.face)
@@ -375,7 +375,7 @@ TEST(AddHeldPatches, TakesTheHeldNodesBesideFreePatches) {
             }
         }
         std::vector<double> radius(patches.Size(), 0);
-        std::vector<std::set<Index>> faced(patches.Size()); // free patches that a held one is nearest to
+        std::vector<std::set<Index>> faced(patches.Size()); // of each held patch: free patches to which it is nearest
         const Csr members = GroupMembers(free.patchOf, free.Size());
         for (Index u = 0; u < s.graph.Size(); ++u) {
             const Index j = patches.patchOf[u];

@@ -94,7 +94,7 @@ TEST(Deformer, TurnsNormalsWithTheSurface) {
         std::vector<Eigen::Matrix3f> linear;
         Carrier(*rig.deformer, pose).Apply(expected, &linear);
         Matrix3Xd normal(3, rig.rest.cols()), position = rig.rest;
-        for (Eigen::Index i = 0; i < normal.cols(); ++i) // of several lengths, one of them 0
+        for (Eigen::Index i = 0; i < normal.cols(); ++i) // several lengths, also 0
             normal.col(i) = double(i % 7) * RandomRigid(unsigned(i)).linear().col(0);
         Matrix3Xd turned = normal;
         Carrier(*rig.deformer, pose)
@@ -229,7 +229,7 @@ TEST(Deformer, KeepsToThePaperWhereAsked) {
     const RegionPose &pose = posed.region[0];
     Carrier(deformer, posed).Apply(position, &linear);
     ASSERT_TRUE(pose.graph.converged);
-    for (Index j = 0; j < graph.Size(); ++j) { // rotations, and of what is held those that are given
+    for (Index j = 0; j < graph.Size(); ++j) { // rotations; of held nodes, the given ones
         EXPECT_TRUE((pose.graph.linear[j] * pose.graph.linear[j].transpose()).isIdentity(1e-9));
         if (graph.IsHeld(j)) {
             EXPECT_EQ(pose.graph.linear[j], pose.nodeMotion[j].linear());
@@ -262,7 +262,7 @@ TEST(Deformer, KeepsToThePaperWhereAsked) {
                 ++used;
             }
         }
-        if (total < 1e-4) { // where hardly anything reaches, rounding decides
+        if (total < 1e-4) { // tiny weights: rounding decides
             ++open;
             continue;
         }
@@ -274,7 +274,7 @@ TEST(Deformer, KeepsToThePaperWhereAsked) {
     EXPECT_GT(blended, 3 * open);
     EXPECT_TRUE(position.allFinite());
     for (std::size_t i = 0; i < rig.mesh.vert.size(); ++i)
-        if (deformer.slotTag[i] == 0) { // what is held is where it was put all the same
+        if (deformer.slotTag[i] == 0) { // held vertices are exact anyway
             EXPECT_EQ(position.col(Eigen::Index(i)), rig.rest.col(Eigen::Index(i)));
         }
 }

@@ -17,7 +17,7 @@ using Eigen::Affine3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Sum of w e e^T over the edges between free nodes: what the graph carries in each direction.
+/// Sum of w e e^T over the edges between free nodes: the stiffness in each direction.
 static Matrix3d CarriedBy(const DeformationGraph &graph) {
     Matrix3d sum = Matrix3d::Zero();
     for (Index i = 0; i < graph.Size(); ++i)
@@ -55,8 +55,8 @@ TEST(CoarseGraph, CarriesWhatTheFineOneDoesWithAFourthOfTheNodes) {
     EXPECT_LE((less - fine).norm(), 0.05 * fine.norm());
 }
 
-/// How far the graph that \p patches makes of a case is from a node at every vertex, and how far it says it is; root
-/// mean square over the free vertices, over the diagonal of the nodes.
+/// The true and the estimated distance of a pose with \p patches from that with a node at every vertex; rms over the
+/// free vertices, over the diagonal of the nodes.
 static std::pair<double, double> ErrorOf(const Case &c, int patches) {
     const MeshD mesh(c.shape);
     DeformationParam param;
@@ -111,7 +111,7 @@ TEST(DiscretisationError, IsNothingWhereNothingMovesAndUnknownForOneNode) {
     EXPECT_EQ(vcg::tri::DeformCentroidal(MeshD(c.shape), c.handles, param).discretisationError, 0);
 }
 
-/// A band that goes to and fro, as wide as a cell: few patches lie on each way.
+/// A band that winds to and fro, as wide as a cell: few patches lie on each run.
 static Case BandCase() {
     Shape band;
     std::map<std::pair<int, int>, int> number;

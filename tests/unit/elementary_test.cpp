@@ -56,7 +56,7 @@ TEST(Elementary, IsExactWhereItCanBe) {
     EXPECT_EQ(Power(1, 0.3), 1);
 }
 
-/// The bits that any processor, system and compiler make.
+/// The bits must be the same for any processor, system and compiler.
 TEST(Elementary, HasTheSameBitsEverywhere) {
     std::uint64_t sum = 0;
     const auto add = [&](double value) {
@@ -90,7 +90,7 @@ TEST(Elementary, Rotations) {
         EXPECT_LE((turn.angle * turn.axis - angle * axis).norm(), 1e-13);
     }
     EXPECT_EQ(Turn(Eigen::Matrix3d::Identity()).angle, 0);
-    for (const double length : {1e-300, 1e200, 1e300}) // their squares are no numbers
+    for (const double length : {1e-300, 1e200, 1e300}) // their squares overflow or underflow
         EXPECT_TRUE((RotationBy(Eigen::Vector3d(0, -length, length)).transpose() *
                      RotationBy(Eigen::Vector3d(0, -length, length)))
                         .isIdentity(1e-12));
@@ -103,7 +103,7 @@ TEST(Elementary, EigenvaluesOfThreeRows) {
         const Eigen::Matrix3d turn =
             RotationBy(3 * any(random), Eigen::Vector3d(any(random), any(random), 1).normalized());
         Eigen::Vector3d values(any(random), any(random), any(random));
-        if (i % 4 == 1) // two that are the same, or nearly
+        if (i % 4 == 1) // two equal or nearly equal ones
             values[1] = values[0] + (i % 8 == 1 ? 0 : 1e-10);
         if (i % 40 == 2)
             values.setConstant(values[0]);
@@ -113,7 +113,7 @@ TEST(Elementary, EigenvaluesOfThreeRows) {
         const SymmetricEigen eigen(m);
         std::sort(values.data(), values.data() + 3);
         const double size = values.cwiseAbs().maxCoeff();
-        EXPECT_LE((eigen.values - values).norm(), 1e-7 * size); // a double root is good to half of the digits
+        EXPECT_LE((eigen.values - values).norm(), 1e-7 * size); // a double root has half of the digits
         const Eigen::Matrix3d v = eigen.Vectors();
         EXPECT_LE((v.transpose() * v - Eigen::Matrix3d::Identity()).norm(), 1e-12);
         EXPECT_LE((v.transpose() * m * v - Eigen::Matrix3d(values.asDiagonal())).norm(), 1e-7 * size);

@@ -22,7 +22,7 @@ Handles EndsOf(const Shape &tube, int first, int last) {
     return handles;
 }
 
-/// How far each ring goes along an axis, from the first held one to the last, over how far the handle goes.
+/// The move of each ring along an axis, from the first held one to the last, over that of the handle.
 std::vector<double> ProfileOf(const Handles &handles, const Shape &tube, Falloff falloff, int axis, int patches = 0) {
     DeformationParam param;
     param.falloff = falloff;
@@ -53,7 +53,7 @@ std::vector<double> Shifted(Falloff falloff, int patches = 0, int axis = 0) {
     return ProfileOf(handles, tube, falloff, axis, patches);
 }
 
-/// Root mean square of what two profiles, or a profile and a function of the way from the handle, differ by.
+/// The rms difference of two profiles, or of a profile and a function of the distance from the handle.
 template <class Other>
 double Off(const std::vector<double> &profile, const Other &other) {
     double squares = 0;
@@ -150,7 +150,7 @@ TEST(Falloff, SmoothLeavesAllWeights) {
 
 TEST(Falloff, WeightsStaySymmetricAndFinite) {
     for (const Falloff falloff : {Falloff::Linear, Falloff::Sharp, Falloff::Constant})
-        for (const int held : {-1, 0, 2}) { // nothing, what is fixed alone, a handle alone
+        for (const int held : {-1, 0, 2}) { // nothing held, only fixed, only a handle
             Rig rig(Tube(24, 24), 0.6, [&](const Vector3d &p) { return held >= 0 && p[2] < 1 ? held : 1; });
             const std::vector<float> before = rig.graph.weight;
             WeighFalloff(rig.graph, rig.patches.tag, falloff);

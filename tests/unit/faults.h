@@ -5,12 +5,12 @@
 #include <atomic>
 #include <limits>
 
-/// What goes wrong in a program that is linked with faults.cpp.
+/// Faults of a program that is linked with faults.cpp.
 namespace fcd_test::faults {
 
 constexpr long never = std::numeric_limits<long>::max();
 inline std::atomic<long> countdown{never}; ///< allocations until one fails
-inline std::atomic<bool> forGood{false};   ///< and all after it do
+inline std::atomic<bool> forGood{false};   ///< all later ones fail, too
 inline std::atomic<long> requests{0}, live{0};
 inline std::atomic<long> threadsLeft{never}; ///< that can be started
 

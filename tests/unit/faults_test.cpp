@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Memory that runs out at any allocation, and threads that do not start: in a program with faults.cpp.
+// Memory that runs out at any allocation, and threads that do not start; linked with faults.cpp.
 #include <vcg_ext/centroidal_deformation.h>
 #include <vcg_ext/surface/nearest_place.h>
 #include "faults.h"
@@ -39,7 +39,7 @@ static bool SameBytes(const std::vector<T> &a, const std::vector<T> &b) {
 /// Lets each allocation of \p body fail in turn: this one only, and this one and all after it.
 template <class Body>
 static void ExpectNoMemoryIsClean(const MeshD &mesh, const Body &body) {
-    body(); // what is allocated once and for all
+    body(); // makes allocations that happen only once
     const std::vector<VertexD> vert = mesh.vert;
     const std::vector<FaceD> face = mesh.face;
     const long before = requests;
@@ -61,7 +61,7 @@ static void ExpectNoMemoryIsClean(const MeshD &mesh, const Body &body) {
             ASSERT_EQ(live, liveBefore) << "allocation " << k << " of " << count;
         }
         EXPECT_GT(failed,
-                  count / (sanitized ? 14 : 2)); // some can be done without: the buffer of a stable sort, a thread
+                  count / (sanitized ? 14 : 2)); // some may fail without harm: the buffer of a stable sort, a thread
     }
     EXPECT_TRUE(SameBytes(vert, mesh.vert));
     EXPECT_TRUE(SameBytes(face, mesh.face));
@@ -93,7 +93,8 @@ TEST(OutOfMemory, InAllThreadsAtOnce) {
         EXPECT_THROW(ParallelFor(7, 100, 1,
                                  [](std::size_t i, std::size_t) {
                                      const std::vector<int> memory(i + 100);
-                                     const int *volatile used = memory.data(); // or else there would be none
+                                     const int *volatile used =
+                                         memory.data(); // else the compiler removes the allocation
                                      (void)used;
                                  }),
                      std::bad_alloc);
@@ -144,7 +145,7 @@ TEST(NoThreads, TheResultIsTheSame) {
 }
 
 TEST(NoThreads, ATreeOfTrianglesStartsNoMoreThanAreAskedFor) {
-    const Shape sheet = Grid(400, 400); // of which even its fourth parts are shared out
+    const Shape sheet = Grid(400, 400); // even its quarters are divided among threads
     Eigen::Matrix3Xd position(3, sheet.Size());
     std::vector<std::array<Index, 3>> triangle;
     for (int i = 0; i < sheet.Size(); ++i)
@@ -157,7 +158,7 @@ TEST(NoThreads, ATreeOfTrianglesStartsNoMoreThanAreAskedFor) {
         const NearestPlace nearest(position, triangle, {}, Threads(threads));
         const long started = many - threadsLeft;
         threadsLeft = never;
-        // For the boxes, for two halves, and for four parts, of which each has a fourth of them.
+        // Threads for the boxes, for two halves, and for four quarters.
         EXPECT_LE(started, 3 * long(threads - 1) + long(threads)) << threads;
         EXPECT_EQ(started > 0, threads > 1) << threads;
     }

@@ -46,7 +46,7 @@ struct SampledCase {
         return param;
     }
 
-    /// The field gives each vertex of a face where it goes, and what rests stays.
+    /// Expects that the field moves each vertex of a face as the deformation does, and keeps vertices at rest.
     void ExpectCarried(const SampledField &sampled, double tolerance) const {
         EXPECT_EQ(sampled.off, 0);
         EXPECT_EQ(sampled.stirred, 0);
@@ -77,7 +77,7 @@ TEST(FieldSampling, TellsADeformationByFewVertices) {
 }
 
 TEST(FieldSampling, OfARegionDoesNotDependOnOthers) {
-    // Two regions with a handle between them, or two that touch, and a third one behind what is fixed.
+    // Two regions with a handle between them, or two that touch, and a third one behind fixed vertices.
     const Shape tube = Tube(60, 150);
     const double end = tube.position.back()[2];
     const auto tagOf = [&](const Vector3d &p, bool more, bool two) {
@@ -131,7 +131,7 @@ TEST(FieldSampling, MoreSamplesWhereTheToleranceAsksForThem) {
 }
 
 TEST(FieldSampling, PartsThatAreNearStayApart) {
-    // One of two sheets is lifted, the other is fixed: nothing of either goes with the other.
+    // One of two sheets is lifted, the other is fixed: neither affects the other.
     const SampledCase c(CaseOf(TwoSheets(60, 0.3), [](const Vector3d &p) {
         return p[2] < 0.1 ? 0 : p[0] < 9 ? 0 : p[0] > 50 ? 2 : 1;
     }));
@@ -139,7 +139,7 @@ TEST(FieldSampling, PartsThatAreNearStayApart) {
 }
 
 TEST(FieldSampling, NarrowPartsHaveEdgesAndPoints) {
-    // A strip of one quad across that far fewer samples tell than it has vertices, and a small triangle beside it.
+    // A strip one quad wide, which needs far fewer samples than vertices, and a small triangle beside it.
     const SampledCase c(CaseOf(Join(Strip(300), Moved(Triangle(), Eigen::Affine3d(Eigen::Translation3d(20, 40, 0)))),
                                [](const Vector3d &p) { return p[0] < 40    ? 0
                                                               : p[0] > 260 ? 2
@@ -179,7 +179,7 @@ TEST(FieldSampling, NothingMovesWhereNothingDid) {
 }
 
 TEST(FieldSampling, TellsWhatItCannotCarry) {
-    // Two vertices at one place that go different ways.
+    // Two vertices at the same position that move apart.
     SampledCase c(CaseOf(Unwelded(Grid(2, 2)), [](const Vector3d &p) { return p[0] > 0.5 ? 2 : p[1] > 0.5 ? 1 : 0; }));
     for (Eigen::Index i = 0; i < c.rest.cols(); ++i)
         if (c.rest.col(i) == c.rest.col(0) && i > 0)
@@ -203,7 +203,7 @@ TEST(FieldSampling, IsTheSameForAnyNumberOfThreadsAndCanBeCancelled) {
 }
 
 TEST(FieldSampling, TakesAsManySamplesAsThePromiseNeeds) {
-    // A surface of which each vertex goes its own way: nothing but all of them tells that.
+    // Each vertex of a surface moves differently: only all vertices as samples tell that.
     const int n = sanitized ? 90 : 260;
     const MeshD mesh(Grid(n, n));
     const Matrix3Xd rest = PositionsOf(mesh);
@@ -271,7 +271,7 @@ TEST(FieldSampling, IsNoMoreExactThanPositionsAreRounded) {
 }
 
 TEST(FieldSampling, LooksAtWhatSamplesOfACloudChange) {
-    // All around a new sample is compared again, so that a look at all finds hardly anything more.
+    // All vertices around a new sample are compared again, so comparing all finds hardly anything more.
     const SampledCase c(CaseOf(Points(Tube(150, 160)), [](const Vector3d &p) { return TubeTag(p); }));
     const SampledField sampled = c.Sample(c.Few(500, 50, 1e-3));
     c.ExpectCarried(sampled, 1e-3);

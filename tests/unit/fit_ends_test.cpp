@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Ends of limbs, and which of two surfaces belong together.
+// Ends of limbs, and pairs of them on two surfaces.
 #include "test_support.h"
 #include <vcg_ext/base/elementary.h>
 #include <vcg_ext/fit/fit_ends.h>
@@ -25,7 +25,7 @@ struct Places {
 Places Star(const std::vector<Vector3d> &spike, const std::vector<double> &turned = {}) {
     Places star;
     const int n = 4000;
-    for (int i = 0; i < n; ++i) { // Fibonacci's lattice: places of equal area of the ball
+    for (int i = 0; i < n; ++i) { // Fibonacci's lattice: even points on the ball
         const double z = 1 - (2 * i + 1.0) / n, r = std::sqrt(1 - z * z), a = i * detail::pi * (3 - std::sqrt(5.0));
         star.normal.emplace_back(r * std::cos(a), r * std::sin(a), z);
         star.place.emplace_back(0.15 * star.normal.back());
@@ -61,7 +61,7 @@ TEST(FitEnds, ABallHasNone) {
 }
 
 TEST(FitEnds, BelongTogetherByHowRemoteTheyAreAndWhereTheyLie) {
-    // The first two spikes are turned: the first towards where the second was.
+    // The first two spikes are turned, the first towards the old place of the second.
     const Places from = Star(five), to = Star(five, {25, 25});
     const std::vector<LimbEnd> a = EndsOfLimbs(from.place, from.normal), b = EndsOfLimbs(to.place, to.normal);
     const auto pairs = MatchEnds(a, b);
@@ -83,7 +83,7 @@ TEST(FitEnds, WhatIsTooFarHasNone) {
     EXPECT_EQ(one[0], std::make_pair(std::size_t(1), std::size_t(0)));
 }
 
-// The least sum, against all ways to pair them.
+// The least sum of all possible pairings.
 TEST(FitEnds, ThePairsAreTheBest) {
     std::mt19937 random(7);
     std::uniform_real_distribution<double> any(0, 0.2);

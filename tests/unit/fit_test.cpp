@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// A sheet with bumps that are all different, so that every place of it is known by its surroundings.
+/// A sheet with different bumps, so that each place can be told by its surroundings.
 Vector3d Bumpy(double x, double y) {
     return {x, y,
             0.5 * std::sin(1.3 * x) * std::cos(0.9 * y + 0.4 * x) + 0.25 * std::sin(2.1 * y + 1) * std::cos(0.7 * x)};
@@ -30,7 +30,7 @@ Shape BumpySheet(int nx, int ny, double width = 10, double height = 6) {
     return shape;
 }
 
-/// Rolls a sheet up and twists it a little: no map of any graph.
+/// Rolls a sheet up and twists it a little; no graph makes this map exactly.
 Vector3d Rolled(const Vector3d &p, double curvature = 0.06) {
     const double angle = curvature * p[0], twist = 0.02 * p[0], radius = 1 / curvature;
     const Vector3d q(p[0], 3 + (p[1] - 3) * std::cos(twist) - p[2] * std::sin(twist),
@@ -84,7 +84,7 @@ Fitted Fit(const Shape &source, const Shape &target, const FitParam &param = Sma
     return fitted;
 }
 
-/// Root mean square of the distances from where the vertices truly are, of the source's diagonal.
+/// The rms distance of the vertices from their true positions, over the source's diagonal.
 template <class Counts>
 double Rms(const Fitted &fitted, const Shape &truth, const Counts &counts) {
     double squares = 0;
@@ -123,9 +123,8 @@ TEST(Fit, OntoItselfStays) {
     EXPECT_GT(fitted.report.matched, 0.99);
 }
 
-// Limits, of an edge of the source, which is 2.1 % of the diagonal: a fifth on a clean surface; three tenths on points,
-// which are half an edge from each other, and through noise of a tenth of one; one edge where landmarks lead far.
-// With sanitizers, which take a third of the places, four tenths on points.
+// Limits, over an edge of the source (2.1 % of the diagonal): 0.2 on a clean surface; 0.3 on points half an edge apart,
+// and for noise of 0.1; 1 if landmarks lead far. With sanitizers, which use a third of the samples, 0.4 on points.
 TEST(Fit, FindsASurfaceInOtherTriangles) {
     ASSERT_GT(Rms({PositionsOf(MeshD(source)), {}}, truth), 0.05);
     const Fitted fitted = Fit(source, target);
@@ -169,12 +168,12 @@ TEST(Fit, FindsPointsWithAndWithoutNormals) {
     EXPECT_LT(Rms(Fit(source, Points(target), Small(), {}, {}, [&](std::size_t i) { return normal[i]; }), truth),
               limit);
     EXPECT_LT(Rms(Fit(Points(source), target), truth),
-              0.0084); // a cloud without normals takes wrong sides for right ones
+              0.0084); // a cloud without normals cannot tell its sides apart
 }
 
 TEST(Fit, FindsItThroughNoise) { EXPECT_LT(Rms(Fit(source, Jittered(target, 0.02)), truth), 0.0063); }
 
-// Half of the target is not there: what has no counterpart is carried along, and does not go to where the rest ends.
+// Half of the target is missing: parts without a counterpart are carried along, and not drawn to the border.
 TEST(Fit, CarriesAlongWhatHasNoCounterpart) {
     Shape half = Grid(29, 33);
     for (Vector3d &p : half.position)
@@ -195,7 +194,7 @@ TEST(Fit, CarriesAlongWhatHasNoCounterpart) {
             stretched += stretch < 0.8 || stretch > 1.25;
         }
     EXPECT_LE(100 * stretched, edges);
-    // What lies on the target is told vertex by vertex, as by the distance.
+    // Whether a vertex lies on the target agrees with its distance.
     int there = 0, lies = 0;
     for (std::size_t i = 0; i < source.position.size(); ++i) {
         there += source.position[i][0] < 4.8;
@@ -208,7 +207,7 @@ TEST(Fit, CarriesAlongWhatHasNoCounterpart) {
     EXPECT_GT(lies, (sanitized ? 0.85 : 0.9) * there);
 }
 
-// Half of the target is not there, and that half of the source has not moved: it stays where it is.
+// Half of the target is missing, and that half of the source has not moved: it stays.
 TEST(Fit, WhatHasNoCounterpartIsStiff) {
     const auto bent = [](Vector3d p) { // where x is above 6.5
         const double beyond = std::max(p[0] - 6.5, 0.0);
@@ -228,8 +227,8 @@ TEST(Fit, WhatHasNoCounterpartIsStiff) {
     EXPECT_LT(Rms(fitted, there, [](std::size_t i) { return source.position[i][0] < 3.8; }), 0.0042);
 }
 
-// Half of the target is not there, and the source has bent there, too: being carried along stiffly, that must not hold
-// back what is on the target.
+// Half of the target is missing, and the source has bent there, too: the carried half must not hold back the matched
+// one.
 TEST(Fit, WhatHasNoCounterpartHoldsNothingBack) {
     Shape half = Grid(29, 33);
     const double curvature = 0.15;
@@ -240,7 +239,7 @@ TEST(Fit, WhatHasNoCounterpartHoldsNothingBack) {
               0.0024);
 }
 
-// A thin tongue that is shorter than that of the target: nothing of it is nearest to the far end.
+// A thin tongue, shorter than the target's: nothing of it is nearest to the far end.
 TEST(Fit, MatchesBothWaysReachWhatIsThin) {
     const auto tongue = [](double length, int n) {
         Shape shape = Grid(n, 9);
@@ -285,12 +284,12 @@ Shape Armed(int rows, int columns, double degrees) {
     return shape;
 }
 
-// So far that its end is nearer to the other arm: matched one way it shrinks onto that, and the end of the target stays
-// bare. Nobody has to ask for the other way.
+// Turned so far that its end is nearer to the other arm. Matched one way, it shrinks onto that, and the target's end is
+// not reached. Matching both ways is then tried unasked.
 TEST(Fit, AnArmThatIsNotFoundIsFoundBothWays) {
     const Shape arms = Armed(70, 120, 0), turned = Armed(70, 120, 25);
     FitParam param = Small();
-    param.samples = 6000; // so dense that the end's bareness shows
+    param.samples = 6000; // dense enough to show that the end is not reached
     param.fitSteps = 25;
     const Fitted fitted = Fit(arms, Armed(61, 101, 25), param);
     double far = 0;
@@ -300,7 +299,7 @@ TEST(Fit, AnArmThatIsNotFoundIsFoundBothWays) {
     EXPECT_LT(far, 0.25) << "and 0.8 one way";
 }
 
-// Rolled so far that the nearest points are wrong ones.
+// Rolled so far that the nearest points are not the counterparts.
 TEST(Fit, LandmarksLeadThere) {
     const Shape far = Rolled(source, 0.3), goal = Rolled(BumpySheet(57, 33), 0.3);
     std::vector<Landmark> landmark;
@@ -312,7 +311,7 @@ TEST(Fit, LandmarksLeadThere) {
 }
 
 TEST(Fit, LandmarksStayWithinTheirTolerance) {
-    std::vector<Landmark> landmark; // a tenth of the height aside of the truth
+    std::vector<Landmark> landmark; // wrong by a tenth of the height
     for (std::size_t i : {0u, 39u, 12u * 40u + 20u, 24u * 40u, 24u * 40u + 39u})
         landmark.push_back({i, truth.position[i] + Vector3d(0, 0, i % 2 == 0 ? 0.6 : -0.6)});
     FitParam param = Small();
@@ -326,7 +325,7 @@ TEST(Fit, LandmarksStayWithinTheirTolerance) {
     EXPECT_LT(Rms(Fit(source, target, param, {}, landmark), truth), 0.0063);
 }
 
-// Picked by hand on a half of the target: those in the other half lead alone.
+// Landmarks with errors of picking on all of the source, and half of a target: beside it, only landmarks lead.
 TEST(Fit, WithAToleranceItComesToRest) {
     Shape half = Jittered(target, 0.01);
     half.face.erase(
@@ -442,7 +441,7 @@ Fitted Weighted(const Shape &source, const Shape &target, const WeightOf &weight
 
 bool IsSame(const Fitted &a, const Fitted &b) { return (a.position.array() == b.position.array()).all(); }
 
-// Half of the target lies elsewhere: as the target of a person's jaw has gum that is another's.
+// Half of the target is wrong, as the gum around a jaw may be another person's.
 TEST(Fit, WhatDoesNotCountIsCarriedAndNotMatched) {
     Shape other = target;
     for (std::size_t i = 0; i < other.position.size(); ++i)
@@ -461,11 +460,11 @@ TEST(Fit, WhatDoesNotCountIsCarriedAndNotMatched) {
         if (isRight(i)) {
             EXPECT_FALSE(half.liesOn[i]);
         }
-    // In between, it counts in between.
+    // Weights between 0 and 1 have an effect between.
     const Fitted little = Weighted(source, other, [&](std::size_t i) { return source.position[i][0] < 5 ? 1 : 1e-5; });
     EXPECT_LT(Rms(half, truth, isRight), Rms(little, truth, isRight));
     EXPECT_LT(Rms(little, truth, isRight), Rms(all, truth, isRight));
-    // 1 everywhere is as if nothing were said.
+    // 1 everywhere is the same as no weights.
     const auto one = [](std::size_t) { return 1; };
     EXPECT_TRUE(IsSame(Weighted(source, other, one, one), all));
 }
@@ -509,7 +508,7 @@ Shape Ball(const Vector3d &middle, double radius, int around = 16) {
         }
     return ball;
 }
-/// A ball with lumps that tell each place of it from the others.
+/// A ball with lumps, so that its places can be told apart.
 Shape Lumpy(int around) {
     Shape ball = Ball(Vector3d::Zero(), 1, around);
     for (Vector3d &p : ball.position)
@@ -519,7 +518,7 @@ Shape Lumpy(int around) {
     return ball;
 }
 
-// Of a large surface this takes a second, in which a fit can be cancelled.
+// For a large surface this takes a second, and can be cancelled.
 TEST(Fit, ComparingSidesCanBeCancelled) {
     const int n = 100000;
     Eigen::Matrix3Xd position(3, n);
@@ -545,8 +544,7 @@ TEST(Fit, ComparingSidesCanBeCancelled) {
     }
 }
 
-/// A ball with five fingers that are \p apart times as far from each other as when they are spread, each turned at its
-/// root.
+/// A ball with five fingers, each turned at its root. \param apart distance of the fingers, over that of spread ones
 Shape Hand(int around, double apart) {
     Shape hand = Ball(Vector3d::Zero(), 1, around);
     for (Vector3d &p : hand.position) {
@@ -563,10 +561,10 @@ Shape Hand(int around, double apart) {
     return hand;
 }
 
-// Each finger but the middle one comes to lie nearer to where another one was: without their ends, two lie on one.
+// Each finger except the middle one lies nearer to another one's old place: without ends, two fingers lie on one.
 TEST(Fit, FindsFingersThatClose) {
     if (sanitized)
-        return; // fingers take many places
+        return; // fingers need many samples
     FitParam param;
     param.samples = 3000;
     const Shape from = Hand(140, 1), to = Hand(152, 0.55), belongs = Hand(140, 0.55);
@@ -577,18 +575,18 @@ TEST(Fit, FindsFingersThatClose) {
     EXPECT_EQ(Fit(from, Hand(152, 0.95), param).report.endsLed, 0);
 }
 
-// Where the soft surface follows the noise of a fine target, it gets stiffer: it is 0.0042 off otherwise.
+// If the soft surface follows the noise of a fine target, it becomes stiffer; otherwise the error is 0.0042.
 TEST(Fit, FollowsLittleOfStrongNoise) {
     if (sanitized)
-        return; // it is as large as it is for the noise
+        return; // the case must be as large for the noise
     const Shape from = Lumpy(110);
     FitParam param;
     param.samples = 4000;
     EXPECT_LT(Rms(Fit(from, Jittered(Rolled(Lumpy(131)), 0.04), param), Rolled(from)), 0.0038);
 }
 
-// A ball slides along itself, so nothing but the curves tells that the target is turned. Their vertices and corners are
-// not at the same places.
+// A ball slides along itself: only the curves tell that the target is turned. Their vertices and corners lie at
+// different places.
 TEST(Fit, CurvesLeadWhatSlides) {
     const int around = 40;
     const double turned = 0.45;
@@ -619,7 +617,7 @@ TEST(Fit, CurvesLeadWhatSlides) {
         EXPECT_TRUE(fitted.report.converged);
     }
     EXPECT_EQ(fit({}).report.curves, 0);
-    // Beside it, what goes with its vertices: they do not go there themselves, and turn it with them.
+    // Places beside the vertices lie on the curve: the vertices themselves do not, and offsets turn with the surface.
     Curve beside = meridian;
     for (const std::size_t vertex : beside.vertex) {
         const Vector3d p = from.position[vertex];
@@ -630,13 +628,13 @@ TEST(Fit, CurvesLeadWhatSlides) {
     const Fitted fitted = fit({beside});
     EXPECT_LT(Rms(fitted, belongs), 0.2 * without);
     EXPECT_LT(fitted.report.curves, 0.01);
-    // Of many corners, a few are looked at.
+    // Of many corners, only some are used.
     Curve fine = meridian;
     fine.target.clear();
     for (int k = 0; k <= 2000; ++k)
         fine.target.push_back(onBall(turned, 0.2 + k * 0.055 / 40));
     EXPECT_NEAR(Rms(fit({fine}), belongs), Rms(fit({meridian}), belongs), 0.01);
-    // Two that contradict each other pull to the middle, and that is told.
+    // Two that contradict each other pull to the middle, and the report shows it.
     Curve above = ring;
     above.target.clear();
     for (int k = 0; k <= 90; ++k)
@@ -663,7 +661,7 @@ TEST(Fit, CurvesLeadWhatSlides) {
     ExpectError([&] { fit({meridian}); }, "which is none");
 }
 
-// Of a sheet of squares whose sides are 1, in a layer that is turned and twice as large.
+// A sheet of unit squares, in a layer with a turn and a scale of 2.
 TEST(Fit, KnowsWhatLiesAlongALine) {
     const Shape sheet = Grid(21, 11);
     const MeshD mesh(sheet);
@@ -686,7 +684,7 @@ TEST(Fit, KnowsWhatLiesAlongALine) {
         EXPECT_EQ(found.vertex, vertices);
         EXPECT_FALSE(found.isElsewhere);
     };
-    // Round a corner, and back again. What is nearest to it is free from the sixth column on.
+    // Around a corner and back again. Vertices are free from the sixth column on.
     const AlongLine bent = along({{0.1, 2.2, 0.3}, {8.1, 2.2, 0.3}, {8.1, 5.1, 0}, {8.1, 2.2, 0.3}});
     expect(bent, {slot(6, 2), slot(7, 2), slot(8, 2), slot(8, 3), slot(8, 4), slot(8, 5)});
     for (std::size_t k = 0; k < bent.vertex.size(); ++k) { // to the line, where that is nearest
@@ -710,7 +708,7 @@ TEST(Fit, KnowsWhatLiesAlongALine) {
         EXPECT_TRUE(along({{8, 2, 0}, {huge, -huge, huge}}).isElsewhere) << huge;
 }
 
-// A line on a sheet of two triangles is far from their corners, and on it all the same.
+// A line on a sheet of two triangles is far from their corners, but not elsewhere.
 TEST(Fit, KnowsWhatLiesAlongALineOfFewTriangles) {
     const MeshD mesh(Grid(2, 2, 10));
     const Arrays arrays = Read(mesh);
@@ -764,8 +762,8 @@ TEST(Fit, TellsHowFarLandmarksAreWithoutThemselves) {
         "Pair 0 of those to check, counted from 0, is at no vertex");
 }
 
-// A ball that sits at the sheet has no counterpart: it goes with the place where it sits, though parts of it are near
-// enough to be matched. What is near and is there, is matched.
+// A ball on the sheet has no counterpart: it moves with the place where it sits, though parts of it are near enough to
+// be matched. If the target has it, it is matched.
 TEST(Fit, PartsThatNothingMatchesAreCarried) {
     const Shape ball = Ball(Bumpy(6, 3) + Vector3d(0, 0, 0.5), 0.45);
     const Shape both = Together(source, ball), there = Together(truth, Rolled(ball));
@@ -780,7 +778,7 @@ TEST(Fit, PartsThatNothingMatchesAreCarried) {
     EXPECT_EQ(weighted.report.carried, 1u);
     EXPECT_LT(Rms(weighted, there, isBall), 0.006);
     EXPECT_EQ(Fit(both, Together(target, Rolled(ball))).report.carried, 0u);
-    // By landmarks alone, what has none is carried, and what has one follows it.
+    // With landmarks only, parts without one are carried, and parts with one follow it.
     FitParam alone = Small().LandmarksAlone();
     std::vector<Landmark> landmark;
     for (std::size_t i = 0; i < source.position.size(); i += 37)
@@ -794,11 +792,11 @@ TEST(Fit, PartsThatNothingMatchesAreCarried) {
 
 TEST(Fit, SaysWhatHasNoSolution) {
     FitParam param;
-    param.smoothness = 1e307; // no number holds what follows from it
+    param.smoothness = 1e307; // overflows
     EXPECT_NE(MessageOf<Unsolvable>([&] { Fit(source, target, param); }).find("cannot be solved"), std::string::npos);
 }
 
-// Which have more than twice the vertices of the sheet, and hardly any area: it is no heap of parts.
+// Crumbs with more than twice the vertices of the sheet, but hardly any area, do not make it a heap of parts.
 TEST(Fit, CrumbsAreNotWhatASurfaceIs) {
     const Shape sheet = BumpySheet(20, 12), there = Rolled(BumpySheet(29, 17));
     Shape littered = sheet;
@@ -816,8 +814,8 @@ TEST(Fit, CrumbsAreNotWhatASurfaceIs) {
     EXPECT_LT(most / std::hypot(10, 6), 1.5e-3);
 }
 
-// As exporters of thin shells write them, and as tools leave them that turn some faces over: a face counts once, and
-// all look to one side.
+// As exporters of thin shells write them, and tools that flip faces: a face counts once, and all are turned to one
+// side.
 TEST(Fit, FacesCountOnceAndAllLookToOneSide) {
     const auto turned = [](Shape shape, const auto &isTurned) {
         for (std::size_t f = 0; f < shape.face.size(); ++f)
@@ -872,7 +870,7 @@ TEST(Fit, PlacesOfATargetStandForItsArea) {
             EXPECT_NEAR(count, 50, 12);
 }
 
-// As organised clouds of depth cameras have them.
+// As in organised clouds of depth cameras.
 TEST(Fit, WhatIsNotFiniteIsLeftOutOfTheTarget) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     Shape holed = Points(target), clean = holed;
@@ -915,7 +913,8 @@ TEST(Fit, ATargetThatIsNoSurfaceIsRefusedOrTold) {
     EXPECT_EQ(Joined(Fit(source, target).report.Remarks()), "");
 }
 
-// As far apart as two coordinate systems are: it is moved there first. Where something is fixed, that is told.
+// Far apart, as in different coordinate systems: the surface is first moved there. If something is fixed, only a remark
+// tells.
 TEST(Fit, BeginsFromAfarByItself) {
     const Eigen::Affine3d shift(Eigen::Translation3d(300, -20, 100)),
         turn = shift * Eigen::AngleAxisd(1.6, Vector3d(1, 2, -1).normalized());
@@ -934,14 +933,13 @@ TEST(Fit, BeginsFromAfarByItself) {
     const Fitted held = Fit(source, Moved(target, shift), param, tag);
     EXPECT_FALSE(held.report.fromAfar);
     EXPECT_NE(Joined(held.report.Remarks()).find("do not overlap"), std::string::npos);
-    param.largestDistance = 1; // then it is meant so
+    param.largestDistance = 1; // a limit: it is not moved
     EXPECT_EQ(Fit(source, Moved(target, shift), param).report.matched, 0);
 }
 
-// Where the layers overlap, but lie turned or are of another size, the strain of the fit tells, and other starts are
-// tried.
+// If layers overlap, but are turned or of another size, the strain of the fit shows it, and other starts are tried.
 TEST(Fit, BeginsTurnedOrScaledByItself) {
-    // So coarse, what is rolled up is strained where it lies right, too.
+    // On a graph so coarse, a rolled sheet is strained in the right place, too.
     const int around = sanitized ? 30 : 60;
     const auto bent = [](const Shape &shape) { return sanitized ? shape : Rolled(shape); };
     const Shape from = Lumpy(around), to = bent(Lumpy(around + 9)), belongs = bent(from);
@@ -964,7 +962,7 @@ TEST(Fit, BeginsTurnedOrScaledByItself) {
     }
 }
 
-// What no start lays there without strain.
+// A target that no start fits without strain.
 TEST(Fit, TellsWhereAllIsStrained) {
     const Shape ball = Ball(Vector3d::Zero(), 1), rod = Moved(ball, Eigen::Affine3d(Eigen::Scaling(0.3, 0.3, 3.0)));
     const Fitted strained = Fit(rod, ball),
@@ -1000,7 +998,7 @@ TEST(Fit, TellsOtherUnitsAndMirrorImages) {
     EXPECT_FALSE(Fit(source, target, param).report.mirrored);
 }
 
-/// Pairs of places all over a sheet and of where they belong when it is rolled.
+/// Landmarks all over a sheet, with targets on the rolled one.
 std::vector<Landmark> PairsOf(const Shape &shape, std::size_t count) {
     std::vector<Landmark> landmark;
     for (std::size_t l = 0; l < count; ++l) {
@@ -1010,7 +1008,7 @@ std::vector<Landmark> PairsOf(const Shape &shape, std::size_t count) {
     return landmark;
 }
 
-// More of them than the graph has nodes: they come as near as it can take them, and none is flung away.
+// More landmarks than nodes: all come as near as the graph allows, and none is flung away.
 TEST(Fit, ManyLandmarksAreMetAsNearlyAsTheGraphCan) {
     FitParam param = FitParam(Small()).LandmarksAlone();
     param.graph.initialPatches = 40;
@@ -1064,7 +1062,7 @@ TEST(Fit, PairsThatTheOthersContradictAreNamedAndLeftOut) {
     }
 }
 
-// The end of an arm that is turned far, whose pair alone leads it there: the target bears it out.
+// A far-turned arm, led by the landmark at its end only: since the target confirms it, it is not contradicted.
 TEST(Fit, APairThatLeadsALimbIsNotContradicted) {
     const Shape arms = Armed(70, 120, 0), turned = Armed(70, 120, 60);
     std::vector<Landmark> landmark;
@@ -1114,7 +1112,7 @@ TEST(Fit, TargetNeedsItsArraysNoLongerThanItSays) {
     }
 }
 
-// The step of Gauss and Newton is that of the energy, by differences.
+// The Gauss-Newton step against differences of the energy.
 void ExpectStepsOfTheEnergy(double rigidity) {
     const MeshD mesh(BumpySheet(20, 12));
     const Arrays arrays = Read(mesh);
@@ -1180,11 +1178,11 @@ void ExpectStepsOfTheEnergy(double rigidity) {
     const double t = 1e-5, slope = (moved(t) - moved(-t)) / (2 * t),
                  curve = (moved(t) - 2 * moved(0) + moved(-t)) / (t * t);
     EXPECT_LT(slope, 0);
-    // Along the step, g^T x = -x^T H x: the slope is -2 x^T H x, and the second difference 2 x^T H x and what Gauss and
-    // Newton leave out.
+    // Along the step, g^T x = -x^T H x. So the slope is -2 x^T H x, and the second difference is 2 x^T H x plus what
+    // Gauss-Newton leaves out.
     EXPECT_NEAR(curve / -slope, 1, 0.3);
     EXPECT_LT(moved(1), 0.7 * moved(0));
-    EXPECT_LT(system.Step(pose, pull, stiff).isApprox(step, 1e-3) ? 0 : 1, 1); // by the factor that is there
+    EXPECT_LT(system.Step(pose, pull, stiff).isApprox(step, 1e-3) ? 0 : 1, 1); // by the present factorisation
 }
 
 TEST(Fit, StepsAreThoseOfTheEnergy) {
@@ -1192,7 +1190,7 @@ TEST(Fit, StepsAreThoseOfTheEnergy) {
         ExpectStepsOfTheEnergy(rigidity);
 }
 
-// Sheared and stretched all over, as one skull is to another.
+// Sheared and stretched all over, like one skull to another.
 Vector3d Sheared(const Vector3d &p) {
     return {1.2 * p[0] + 0.3 * p[1], 0.9 * p[1] - 0.2 * p[2], p[2] + 0.15 * p[0] + 0.1 * p[1]};
 }
@@ -1225,7 +1223,7 @@ TEST(Fit, WithoutRigidityWhatIsShearedAllOverIsFound) {
     EXPECT_LT(half, rigid);
     EXPECT_GT(rigid, 20 * smooth);
 
-    // Onto a target: its samples tell the shear, but for how it slides along itself.
+    // Onto a target: its samples show the shear, except for slides along itself.
     Shape goal = BumpySheet(57, 33);
     for (Vector3d &p : goal.position)
         p = Sheared(p);

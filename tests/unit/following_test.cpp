@@ -67,7 +67,7 @@ TEST(Following, FullTurnsAreNoExceptions) {
     const double once = rig("2: rotate 0 0 1 360").energy;
     EXPECT_GT(energy[1], 2 * once);
     EXPECT_GT(once, 1);
-    // Nothing is nothing, however often.
+    // No motion in many steps is no motion.
     EXPECT_TRUE(SameBits(rig("2: rotate 0 0 1 720", 0).position, PositionsOf(rig.mesh)));
     EXPECT_TRUE(SameBits(rig("").position, PositionsOf(rig.mesh)));
 }
@@ -87,7 +87,7 @@ TEST(Following, OneStepWhereItDoes) {
     Matrix3Xd direct = PositionsOf(rig.mesh);
     Carrier(*deformer, deformer->Solve(deformer->MotionsOf(rig.tube.handles, 100), rig.param)).Apply(direct);
     EXPECT_TRUE(SameBits(direct, at));
-    // Handles that turn alike, and nothing that is fixed: no turn between them.
+    // Handles with equal turns, and nothing fixed: no turn between them.
     for (int &tag : rig.tube.handles.tag)
         tag = tag == 0 ? 3 : tag;
     EXPECT_EQ(rig("2: rotate 0 1 0 200 about 0 0 0; 3: rotate 0 1 0 200 about 0 0 0").pose.way.steps, 1);
@@ -95,7 +95,7 @@ TEST(Following, OneStepWhereItDoes) {
 }
 
 TEST(Following, SaysWhereTheShapeJumps) {
-    // Drawn through the fixed end, a free end turns inside out somewhere.
+    // Pulled through the fixed end, the surface must turn inside out somewhere.
     Followed rig;
     const DeformationResult r = rig("2: translate 0 0 -25", 100, 4);
     EXPECT_TRUE(r.pose.way.jumps);

@@ -80,11 +80,11 @@ TEST(FreeRegion, OfACloudHasTheNearestOfTheFree) {
 }
 
 TEST(FreeRegion, OfALargeCloudLooksAroundWhereverSomethingIsHeld) {
-    // A band that is held, another one within what is free, and a few held points in the middle of nothing: what is
-    // skipped far away from them changes nothing.
+    // A held band, another one within the free region, and a few isolated held points: skipping what is far from them
+    // changes nothing.
     std::mt19937 random(4);
-    std::uniform_real_distribution<double> jitter(-0.3, 0.3); // no two points are a hair apart
-    for (int lines : {140, 33}) {                             // of these, more than the nearest are looked at
+    std::uniform_real_distribution<double> jitter(-0.3, 0.3); // points stay apart
+    for (int lines : {140, 33}) {                             // with few, more than the nearest are examined
         const int n = sanitized ? 10000 : 20000, each = n / lines;
         Shape cloud;
         std::vector<int> tag;
@@ -125,7 +125,7 @@ TEST(FreeRegion, OfACloudHasTheNearestPlacesHoweverManyPointsAreThere) {
             for (int i = 0; i < times * once.Size(); ++i)
                 many.position.push_back(once.position[i / times] + (i % times ? jitter : 0) * RandomVector(random));
             const Region more = FreeRegion(Read(MeshD(many)), tagsOf(many));
-            int parts = 0, missed = 0; // few, where a cell of the grid of places ends among points a hair apart
+            int parts = 0, missed = 0; // few: a cell's border may lie between nearly equal points
             for (int i = 0; i < many.Size(); ++i)
                 if (region.flag[i / times] == Region::part) {
                     ++parts;
@@ -161,7 +161,7 @@ TEST(FreeRegion, OfACloudIsTheSameWithAPointFarAway) {
                 beyond += alone.flag[i] != Region::part && with.flag[i] == Region::part;
             }
             EXPECT_EQ(missed, 0u) << far;
-            EXPECT_LE(beyond, ofStray == 1 ? 300u : 0u) << far; // what the far ones look at
+            EXPECT_LE(beyond, ofStray == 1 ? 300u : 0u) << far; // the neighbours of the far ones
         }
 }
 

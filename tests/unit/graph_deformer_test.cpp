@@ -28,8 +28,8 @@ static SolverParam Iterations(int n) {
     return param;
 }
 
-/// Eq. 2, the difference of two rotations counted once an edge. Edges that a held patch ends at its border move there
-/// as the patch does.
+/// Eq. 2, with each edge's difference of rotations counted once. Ends of edges at a held patch's border move as the
+/// patch.
 static double Energy(const Rig &rig, const std::vector<Affine3d> &motion, const GraphPose &pose, double smooth,
                      const std::vector<double> &heldArea = {}) {
     const DeformationGraph &g = rig.graph;
@@ -49,8 +49,8 @@ static double Energy(const Rig &rig, const std::vector<Affine3d> &motion, const 
             energy += g.weight[e] * (from - to - pose.linear[i] * edge).squaredNorm();
             energy += g.weight[e] * smooth * 0.5 * (pose.linear[i] - pose.linear[j]).squaredNorm();
         }
-    // What is behind a held node that turns: as stiff as its border over the depth to which the turn goes, or all that
-    // is there over the square of it.
+    // The region behind a compliant node: as stiff as its border over the depth of the turn, or, if it is small, as all
+    // of it over that depth squared.
     const double depth = std::sqrt(ShapeConstants().heldDepth * smooth);
     for (Index i = 0; i < Index(heldArea.size()); ++i)
         if (rig.constrained[i] && heldArea[i] > 0 && depth > 0) {
@@ -190,7 +190,7 @@ TEST(GraphDeformer, UnconstrainedComponentsStayAtRest) {
     EXPECT_GT(moved, 0);
 }
 
-/// Held nodes turn, with a region behind them that goes on, with none, and with something in between.
+/// Held nodes turn, with a large region behind them, with none, and with a small one.
 static std::vector<std::vector<double>> Behind(const Rig &rig) {
     std::vector<std::vector<double>> cases;
     for (double area : {std::numeric_limits<double>::infinity(), 0.0, 1e-4})
@@ -293,7 +293,7 @@ TEST(GraphDeformerTurns, ReproducesARigidMotion) {
 }
 
 TEST(GraphDeformerTurns, RotationsThatTheEdgesLeaveOpenStay) {
-    // A chain: nothing says how its nodes turn about it, where rotations need not be alike.
+    // A chain: without smoothness, nothing determines how its nodes turn about it.
     DeformationGraph g;
     const Index k = 9;
     EdgeSet edges;
@@ -410,7 +410,7 @@ TEST(GraphDeformer, PlainStepsEndWhereTheAcceleratedOnesDo) {
 }
 
 TEST(Anderson, TellsHowMuchIsLeftFromItsFirstWordOn) {
-    // The modes of heat that flows along a line: a smooth part that hardly shrinks, and roughness that goes at once.
+    // Modes of heat along a line: a smooth part that hardly shrinks, and roughness that vanishes at once.
     const int n = 30;
     for (double rough : {0.0, 1e-4, 1e-3, 0.01, 0.1, 1.0}) {
         Eigen::VectorXd rate(n), x(n);
@@ -439,7 +439,7 @@ TEST(GraphDeformer, GoesOnFromTheLastPose) {
     EXPECT_LE(again.iterations, 7) << "six steps to tell how fast it converges, and one to stop";
     EXPECT_GT(first.iterations, again.iterations);
     EXPECT_LE((again.position - first.position).norm(), 1e-6);
-    // One motion of all since then is that motion of the pose.
+    // If all handles then make one motion, the pose makes the same.
     const Affine3d rigid = RandomRigid(5);
     std::vector<Affine3d> moved;
     for (const Affine3d &m : motion)
@@ -460,7 +460,7 @@ TEST(GraphDeformer, QuasiNewtonStepsLeadToTheSameShapeInFewer) {
     ASSERT_TRUE(few.converged && many.converged);
     EXPECT_LT(2 * few.iterations, many.iterations);
     EXPECT_LE((few.position - many.position).colwise().norm().maxCoeff(), 1e-6);
-    // Those are for one smoothness; with another, poses take the other steps.
+    // The Hessian at rest is for one smoothness; poses with another take the other steps.
     quick.smoothness = steady.smoothness = 0.1;
     EXPECT_TRUE(SameBits(deformer.Solve(rig.NodeMotion(BendTube), quick).position,
                          deformer.Solve(rig.NodeMotion(BendTube), steady).position));
@@ -509,8 +509,8 @@ TEST(GraphDeformer, SmoothnessEvensTheRotations) {
     EXPECT_LT(roughest(0.1), roughest(0));
 }
 
-/// Some nodes on a bumpy sheet, joined with those nearest to them, of weights within a factor of ten; the last ones are
-/// held, and may turn.
+/// Nodes on a bumpy sheet, joined with the nearest ones, with weights within a factor of ten; the last ones are held,
+/// and may turn.
 struct SmallGraph {
     DeformationGraph graph;
     std::vector<bool> held, compliant;
@@ -569,7 +569,7 @@ TEST(GraphDeformer, SmallSystemsComeToRest) {
     int saddles = 0;
     for (unsigned seed = 1; seed <= (sanitized ? 100 : 1000); ++seed) {
         SmallGraph small(1 + Index(seed % 8), seed);
-        if (seed % 10 == 0) // far away, where more is rounded off
+        if (seed % 10 == 0) // far from the origin, with more rounding
             for (Affine3d &m : small.motion)
                 m.pretranslate(Vector3d(1e4, 0, 0));
         const GraphDeformer deformer(small.graph, small.held, 0.5, small.compliant, small.heldArea);
@@ -577,10 +577,10 @@ TEST(GraphDeformer, SmallSystemsComeToRest) {
         follow.follow = true;
         const GraphPose pose = deformer.Solve(small.motion, follow);
         iterations.push_back(pose.iterations);
-        SolverParam slowly = Iterations(4000); // which does not lead to other minima
+        SolverParam slowly = Iterations(4000); // slow steps do not jump to other minima
         slowly.quasiNewton = false;
         const GraphPose longer = deformer.Solve(small.motion, slowly);
-        // One of the slow ones may rest on a saddle of the energy, and then says so.
+        // A slow one may rest on a saddle of the energy, and then reports it.
         if (!pose.converged || (!pose.unstable && pose.energy > longer.energy * 1.001 + 1e-9))
             notAtRest.push_back(seed);
         saddles += pose.unstable;
@@ -606,7 +606,7 @@ TEST(GraphDeformer, CanBeCancelled) {
     }
 }
 
-/// Nodes of which each is joined with some others, wherever these are.
+/// Nodes that are joined at random.
 static DeformationGraph JoinedAtRandom(Index k, int edges) {
     DeformationGraph g;
     g.graph.adjacency = RandomGraph(k, edges, 1);

@@ -14,7 +14,7 @@ using Motions = std::map<Index, Affine3d>; // of each tag, in the frame
 
 static const MappingWeights both[] = {MappingWeights::Surface, MappingWeights::Euclidean};
 
-/// Where the nodes of the surface go.
+/// The mapped nodes of the surface.
 static Matrix3Xd Mapped(const Rig &rig, MappingWeights weights, const GraphPose &pose, const Motions &motion,
                         double influence = 3.5) {
     const GraphMapping mapping(rig.surface.graph, rig.tag, rig.patches, rig.graph, weights, influence,
@@ -99,7 +99,7 @@ TEST(GraphMapping, IsFiniteWhereBallsAreTiny) {
 }
 
 TEST(GraphMapping, IsContinuous) {
-    // The same patch radius over a finer grid: neighbours come together as the edges get shorter.
+    // The same patch radius on a finer grid: differences of neighbours shrink with the edges.
     auto largestJump = [](int n, MappingWeights weights) {
         const Rig rig(Grid(n, n, 8.0 / (n - 1)), 1, [](const Vector3d &p) { return p[0] < 1 ? 0 : p[0] > 7 ? 2 : 1; });
         const Motions motion = Bend();
@@ -247,13 +247,13 @@ TEST(GraphMapping, ABallThatTouchesTooManyPatchesIsHalvedUntilItDoesNot) {
     const GraphMapping mapping(grid, patches.tag, patches, graph, MappingWeights::Surface, full / radius, 1);
     const auto map = mapping.At(pose, none);
 
-    // All is connected and no way is long: what counts is the distance.
+    // All is connected without detours: only the distance matters.
     const auto around = [&](Index i, const auto &visit) { // visit(node, squared distance)
         for (Index y = std::max(0, i / n - full); y <= std::min(n - 1, i / n + full); ++y)
             for (Index x = std::max(0, i % n - full); x <= std::min(n - 1, i % n + full); ++x)
                 visit(y * n + x, double((x - i % n) * (x - i % n) + (y - i / n) * (y - i / n)));
     };
-    const auto touchedBy = [&](Index j, double within) { // nodes at less than that, row by row
+    const auto touchedBy = [&](Index j, double within) { // nodes within that distance, row by row
         int touched = 0;
         for (Index y = std::max(0, j / n - full); y <= std::min(n - 1, j / n + full); ++y) {
             const double squared = within * within - double((y - j / n) * (y - j / n));
@@ -302,7 +302,7 @@ TEST(GraphMapping, EndsWhereTheMiddleOfAStarHasVeryManyNeighbours) {
     pose.linear.assign(k, Eigen::Matrix3d::Identity());
     const Motions none;
     for (float radius :
-         Rounds({0.27f, 2.f})) { // the balls touch the middle and more than 64, halved once some; or all patches
+         Rounds({0.27f, 2.f})) { // balls touch the middle and more than 64, halved once only some; or all patches
         const Patches patches = NodesAsPatches(k, radius);
         const DeformationGraph graph = GraphOf(star, patches);
         const GraphMapping mapping(star, patches.tag, patches, graph, MappingWeights::Surface, 4, 1);
@@ -312,7 +312,7 @@ TEST(GraphMapping, EndsWhereTheMiddleOfAStarHasVeryManyNeighbours) {
     }
 }
 
-// A blend of one candidate and of many, some of which keep a share of their weight only.
+// A blend of one candidate, and of many, some with a share of their weight.
 struct BlendRig {
     static constexpr std::size_t n = 9, whole = 4, m = 3;
     std::vector<detail::Ball> ball, shareBall;
@@ -435,7 +435,7 @@ TEST(GraphMapping, InfluencesAreTheWeightsOfTheBlend) {
         const BeyondPaper beyond(printed ? GraphWeights::Printed : GraphWeights::Border);
         const GraphMapping mapping(rig.surface.graph, rig.tag, rig.patches, rig.graph, MappingWeights::Surface, 3.5,
                                    rig.param.targetRadius, {}, {}, beyond);
-        // Each node goes somewhere, and none turns or stretches the surface: then all is linear in the weights.
+        // Each node moves, and none turns or stretches: then the result is linear in the weights.
         GraphPose pose = PoseOf(rig, Affine3d::Identity());
         for (Index j = 0; j < rig.graph.Size(); ++j)
             pose.position.col(j) += Vector3d(std::sin(j), std::cos(3 * j), 0.1 * (j % 7));
@@ -467,7 +467,7 @@ TEST(GraphMapping, InfluencesAreTheWeightsOfTheBlend) {
 }
 
 TEST(GraphMapping, FewOfManyRegionsNearbyHaveAnInfluence) {
-    // Every ninth node is a handle for itself.
+    // Every ninth node is a handle of its own.
     const int n = sanitized ? 40 : 90;
     const Rig rig(Jittered(Grid(n, n, 8.0 / (n - 1)), 0.02), 1, [&](const Vector3d &p) {
         const int i = int(std::lround(p[0] * (n - 1) / 8)), j = int(std::lround(p[1] * (n - 1) / 8));

@@ -12,7 +12,7 @@
 using namespace vcg::fcd;
 using namespace fcd_test;
 
-/// A file of its own for each test, gone at its end.
+/// A temporary file for each test.
 class HandleFile : public testing::Test {
   protected:
     const std::string path = (std::filesystem::temp_directory_path() /
@@ -205,7 +205,7 @@ TEST_F(HandleFile, RefusesWhatIsCutOff) {
     for (std::size_t length = 0; length < points.size(); ++length) {
         std::istringstream words(points.substr(0, length));
         const auto count = std::distance(std::istream_iterator<std::string>(words), {});
-        if (count == 4 || count == 6) // nothing tells that there was more
+        if (count == 4 || count == 6) // a prefix that is valid itself
             EXPECT_EQ(ReadPointHandleFile(Written(words.str())).size(), 1u);
         else
             ExpectNames(PointError(words.str()), 1);
@@ -246,7 +246,7 @@ TEST_F(HandleFile, ReadsNumbersOfThousandsOfDigits) {
 TEST_F(HandleFile, ReadsNoFurtherThanItNeeds) {
     Written(std::string(999999, ' ') + "7");
     EXPECT_EQ(ReadTagFile(path, 1000000), std::vector<int>{7});
-#ifdef _WIN32 // where no such file has holes
+#ifdef _WIN32 // no sparse files
     const std::uintmax_t large = std::uintmax_t(1) << 24;
 #else
     const std::uintmax_t large = std::uintmax_t(1) << 36; // most of it a hole

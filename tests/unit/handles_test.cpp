@@ -190,7 +190,7 @@ TEST(MotionTurn, ComesCloseToTheWholeContinuously) {
     std::mt19937 random(1);
     for (double degrees : {-360.0, 200.0, 270.0, 360.0, 1000.0})
         for (int i = 0; i < 20; ++i) {
-            // Stretched before, scaled after, shifted: the rotation of the whole is still the turn.
+            // Stretched before, scaled after, shifted: the rotation is still the turn.
             const Vector3d axis = RandomVector(random), pivot = RandomVector(random), shift = RandomVector(random);
             const Eigen::Matrix3d axes = RandomRotation(random);
             Matrix4d m = TurnAbout(pivot, axis, degrees * degree) *

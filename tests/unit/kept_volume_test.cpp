@@ -97,7 +97,7 @@ TEST(KeptVolume, ItBulgesSmoothlyAndAlikeAllAround) {
             least = std::min(least, r);
             most = std::max(most, r);
         }
-        EXPECT_LT(most - least, 0.05) << ring; // patches lie anyhow
+        EXPECT_LT(most - least, 0.05) << ring; // patches lie irregularly
         radius.push_back(sum);
     }
     EXPECT_GT(*std::max_element(radius.begin(), radius.end()), 1.15);
@@ -181,13 +181,13 @@ TEST(KeptVolume, TheTwoSidesOfASheetEncloseNone) {
 }
 
 TEST(KeptVolume, WhatOnlyGoesAlongIsAsItWas) {
-    // An arm beside a trunk that is squeezed, at right angles.
+    // A squeezed trunk with an arm at right angles.
     const Shape trunk = Tube(hoops, sides, tubeLength);
     Shape both = trunk;
     const int rows = 40, around = 12, first = int(both.position.size());
     const double radius = 0.4;
     const auto angle = [&](int i) { return 2 * EIGEN_PI * i / around; };
-    // Its root is a hole of the trunk, whose rim is as many vertices.
+    // The arm begins at a hole of the trunk with as many vertices.
     const int hoop = 28, side = 0;
     std::vector<int> rim;
     for (int i = 0; i < 4; ++i)

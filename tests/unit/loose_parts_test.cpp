@@ -27,7 +27,7 @@ static LooseSurface LooseOf(const MeshD &mesh, const Handles &handles, SurfaceGr
                      Threads(threads));
 }
 
-/// Tubes, spheres, triangles and single vertices, each held in places or not at all.
+/// Tubes, spheres, triangles and single vertices, each partly held or loose.
 static Case Things(unsigned seed) {
     Case c{Shape(), Handles()};
     std::mt19937 random(seed);
@@ -48,7 +48,7 @@ TEST(FindLoose, IsWhatNothingHolds) {
         const MeshD mesh(c.shape);
         SurfaceGraph surface;
         const LooseSurface loose = LooseOf(mesh, c.handles, surface);
-        // Components of the free vertices and of what is held at the same place or beside them.
+        // Components of the free vertices, with held ones at the same position or beside them.
         const int n = c.shape.Size();
         UnionFind sets(n);
         std::map<std::array<double, 3>, int> first;
@@ -88,7 +88,7 @@ TEST(FindLoose, IsWhatNothingHolds) {
         EXPECT_EQ(loose.isolated, isolated);
         EXPECT_EQ(loose.components, Index(all.size()));
         EXPECT_EQ(loose.isPartOfSurface, loose.parts > loose.isolated);
-        // Read without them, the surface is held everywhere.
+        // Without loose parts, the surface is all held.
         std::vector<int> tag = c.handles.tag;
         for (std::size_t i = 0; i < loose.partOf.size(); ++i)
             if (loose.partOf[i] >= 0)
@@ -131,7 +131,7 @@ TEST(FindLoose, APointHandleOnAnIsolatedVertexIsNotLoose) {
     EXPECT_EQ(loose.partOf[97], -1);
 }
 
-/// A fixed plate at x = 0, a handle's at x = 10, and between them, held by none, specks.
+/// A fixed plate at x = 0, a handle's plate at x = 10, and loose specks between them.
 struct Plates {
     Case c;
     std::vector<Index> speckOf; // of each vertex
@@ -205,7 +205,7 @@ TEST(LooseParts, MoveRigidlyThoughTheHandleScales) {
         }
 }
 
-/// A tube that is held at both ends, and more, held by none.
+/// A tube that is held at both ends, and more loose shapes.
 static Case TubeWith(const Shape &more) {
     const Shape tube = Tube(40, 16);
     Case c{Join(tube, more), {}};

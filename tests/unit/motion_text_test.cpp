@@ -78,7 +78,7 @@ TEST(MotionText, AppliesStepsInTheOrderWritten) {
     const Vector3d o(0, 0, 0), moved = barycenter + Vector3d(5, 0, 0);
     ExpectMatrix("translate 5 0 0 rotate 0 0 1 90 about 0 0 0", About(o, r) * Shift(5, 0, 0));
     ExpectMatrix("rotate 0 0 1 90 about 0 0 0 translate 5 0 0", Shift(5, 0, 0) * About(o, r));
-    // The barycentre is where the steps before have put it.
+    // Earlier steps have moved the barycentre.
     ExpectMatrix("translate 5 0 0 rotate 0 0 1 90", About(moved, r) * Shift(5, 0, 0));
     ExpectMatrix("translate 5 0 0 scale 2 rotate 0 0 1 90",
                  About(moved, r) * About(moved, Scaled(2, 2, 2)) * Shift(5, 0, 0));
@@ -236,7 +236,7 @@ TEST(MotionText, SaysWhereWhatWasFoundAndWhatExpected) {
 }
 
 TEST(MotionText, CountsCharactersNotBytes) {
-    // Only messages that stand behind such a character can tell; they can only stand behind a bad word.
+    // Only messages about a bad word can follow such a character.
     const std::string message = MessageOf<Error>([] { ReadMotionText("2: scale 1 about \xC3\xA4 0 0", "Motions"); });
     EXPECT_EQ(message.find("Motions, character 18: "), 0u) << message;
 }
@@ -318,7 +318,7 @@ TEST(MotionText, AnyBytesAreReadOrRefused) {
 
 // --- turns ---
 
-/// The angle about z, in degrees, at pose 50, of what must rotate about it.
+/// The angle about z, degrees, at pose 50, of a motion that must rotate about it.
 static double HalfWay(const std::string &steps) {
     const Matrix4d m = MotionOf(steps).At(50, barycenter);
     EXPECT_LE(m.block(0, 2, 2, 1).norm() + m.block(2, 0, 1, 2).norm(), 1e-9) << steps;
@@ -334,7 +334,7 @@ TEST(MotionText, HonoursTheAngleThatIsGiven) {
     EXPECT_NEAR(HalfWay("rotate 0 0 1 180"), 90, 1e-9);
     EXPECT_NEAR(HalfWay("rotate 0 0 1 -180"), -90, 1e-9);
     EXPECT_NEAR(HalfWay("rotate 0 0 1 900"), 90, 1e-9);
-    // Angles about one axis add up, whatever else is done that does not rotate.
+    // Angles about one axis add up, whatever steps without rotation lie between.
     EXPECT_NEAR(HalfWay("rotate 0 0 1 200 rotate 0 0 2 70"), 135, 1e-9);
     EXPECT_NEAR(HalfWay("rotate 0 0 1 300 translate 1 2 3 rotate 0 0 -1 30 about 0 0 0"), 135, 1e-9);
     EXPECT_NEAR(HalfWay("scale 2 rotate 0 0 1 270 translate 1 2 3"), 135, 1e-9);

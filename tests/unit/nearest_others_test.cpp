@@ -10,7 +10,7 @@ using namespace fcd_test;
 
 namespace {
 
-/// A sheet that is as large as asked, with its grid's equal distances; noise around it, and strays far away.
+/// A grid with equal distances, noise around it, and strays far away.
 template <class Scalar>
 Eigen::Matrix<Scalar, 3, Eigen::Dynamic> SheetInNoise(int grid, int noise, int strays, unsigned seed) {
     std::mt19937 random(seed);
@@ -23,7 +23,7 @@ Eigen::Matrix<Scalar, 3, Eigen::Dynamic> SheetInNoise(int grid, int noise, int s
     return points;
 }
 
-/// All answers, and whether each is what looking at all points tells.
+/// Compares all answers with a search of all points.
 template <class Scalar>
 void ExpectNearest(const Eigen::Matrix<Scalar, 3, Eigen::Dynamic> &points, std::size_t count) {
     using Neighbour = typename NearestOthers<Scalar>::Neighbour;

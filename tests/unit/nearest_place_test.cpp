@@ -17,7 +17,7 @@ static double SumOfWeights(const SurfacePlace &place) {
     return std::accumulate(place.weight.begin(), place.weight.begin() + place.count, 0.0);
 }
 
-/// Triangles without order, needles and points among them.
+/// Random triangles, with needles and points among them.
 static std::vector<std::array<Index, 3>> Soup(Eigen::Matrix3Xd &position) {
     std::mt19937 random(1);
     std::uniform_real_distribution<double> number(-1, 1);
@@ -73,7 +73,7 @@ TEST(NearestPlace, IsOnTheFirstOfTheNearestTriangles) {
             triangle[t + 1] =
                 t % 40 == 0 ? triangle[t] : std::array<Index, 3>{triangle[t][2], triangle[t][0], Index(t)};
         position *= scale;
-        position.row(0).array() += scale < 1 ? 0 : 1e3 * scale; // less is told by single precision
+        position.row(0).array() += scale < 1 ? 0 : 1e3 * scale; // single precision cannot resolve less
         std::vector<std::unique_ptr<NearestPlace>> alone;
         for (const auto &each : triangle)
             alone.push_back(
@@ -116,7 +116,7 @@ TEST(NearestPlace, AHintChangesNoBit) {
     NearestPlace::Hint last;
     Vector3d p = Vector3d::Zero();
     for (int i = 0; i < 5000; ++i) {
-        // Far from the last one, near to it, at a vertex, and at one of the triangle of the hint.
+        // Far from the last point, near to it, at a vertex, and at a vertex of the hint's triangle.
         const Vector3d other(number(random), number(random), number(random));
         const Index corner = i % 4 == 2 ? Index(i) % 600 : triangle[std::size_t(std::max(0, last.triangle))][i % 3];
         p = i % 4 == 0 ? other : i % 4 == 1 ? Vector3d(p + 1e-3 * other) : Vector3d(position.col(corner));
@@ -177,7 +177,7 @@ TEST(NearestPlace, AmongVerticesIsOfTheNearestOfAll) {
         const Vector3d p = (i % 5 == 4 ? 1e4 : 1.0) * Vector3d(number(random), number(random), number(random));
         std::vector<std::pair<double, Index>> all;
         for (Index v = 0; v < 600; ++v)
-            if (counts[v] && v % 90 != 2) // that lies where the one before does
+            if (counts[v] && v % 90 != 2) // those coincide with the one before
                 all.emplace_back((position.col(v) - p).norm(), v);
         std::sort(all.begin(), all.end());
         const SurfacePlace place = nearest(p), hinted = nearest(p, last);
@@ -188,7 +188,7 @@ TEST(NearestPlace, AmongVerticesIsOfTheNearestOfAll) {
         for (int k = 0; k < place.count; ++k) {
             ASSERT_EQ(hinted.slot[k], place.slot[k]);
             ASSERT_EQ(hinted.weight[k], place.weight[k]);
-            if (i % 5 != 4) { // from afar, rounding tells which ones are nearer
+            if (i % 5 != 4) { // from afar, rounding decides
                 ASSERT_EQ(place.slot[k], all[k].second) << i;
                 ASSERT_NEAR(place.weight[k], std::pow(all[SurfacePlace::most].first / all[k].first - 1, 2) / sum, 1e-9);
             }
@@ -209,7 +209,7 @@ TEST(NearestPlace, FindsTheOnlyVertexAndTheOnlyTriangle) {
     EXPECT_LE((PointAt(onFace, position) - Vector3d(0.25, 0.25, 0)).norm(), 1e-15);
 }
 
-/// A wavy sheet, and triangles of its size that are so far from it, in diagonals.
+/// A wavy sheet, and triangles as large as it, at a distance in diagonals.
 static std::vector<std::array<Index, 3>> SheetWithStrays(int n, const std::vector<Vector3d> &strays,
                                                          Eigen::Matrix3Xd &position) {
     const Shape sheet = Jittered(Grid(n, n, 1.0 / n), 0.2 / n);
@@ -305,7 +305,7 @@ TEST(NearestPlace, CanBeCancelledWhileItIsPrepared) {
     }
 }
 
-/// Two walls that look at each other, of triangles with edges of up to root 2.
+/// Two facing walls of triangles with edges of up to root 2.
 struct Walls {
     Shape shape;
     Index half;
@@ -336,7 +336,7 @@ struct Walls {
 TEST(NearestPlace, BindsToTheWallThatLooksTheSameWay) {
     const Vector3d up = Vector3d::UnitZ(), none = Vector3d::Zero();
     const Walls fold(0.1);
-    for (const double z : {-0.4, 0.02, 0.04, 0.09, 0.3}) { // of one of the walls, as it is triangulated otherwise
+    for (const double z : {-0.4, 0.02, 0.04, 0.09, 0.3}) { // one of the walls is triangulated differently
         EXPECT_EQ(fold.IsLow(z, none), z < 0.05) << z;
         EXPECT_TRUE(fold.IsLow(z, up)) << z;
         EXPECT_FALSE(fold.IsLow(z, -up)) << z;
@@ -357,7 +357,7 @@ TEST(NearestPlace, VerticesAtOnePlaceCountAsOne) {
         once.col(i) << number(random), number(random), number(random);
     const NearestPlace alone(once, {}, std::vector<char>(400, 1));
     for (const Index times : {2, 6, 15, 1000}) {
-        Eigen::Matrix3Xd position(3, 400 * times); // the copies of one are apart, as those of scans put together
+        Eigen::Matrix3Xd position(3, 400 * times); // copies of one triangle are apart in memory, as in joined scans
         for (Index k = 0; k < times; ++k)
             position.middleCols(400 * k, 400) = once;
         const NearestPlace nearest(position, {}, std::vector<char>(std::size_t(400 * times), 1));

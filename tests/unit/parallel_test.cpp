@@ -81,7 +81,7 @@ TEST(ParallelForAdding, AddsInOrderWhatIsComputedBeforeItAndStillThere) {
     for (std::size_t grain : {1, 3})
         for (std::size_t n : {std::size_t(0), std::size_t(1), rangesAhead, 7 * rangesAhead * grain - 1})
             for (unsigned threads : {1u, 2u, 5u}) {
-                std::vector<std::size_t> place(rangesAhead, n); // the range that was last computed there
+                std::vector<std::size_t> place(rangesAhead, n); // the last range computed in each place
                 std::vector<std::size_t> added;
                 vcg::fcd::ParallelForAdding(
                     threads, n, grain,

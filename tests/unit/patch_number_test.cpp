@@ -10,7 +10,7 @@
 
 using namespace vcg::fcd;
 
-/// An error of \p at100 with 100 patches, which falls as it should, with \p patches.
+/// The error with \p patches if it is \p at100 with 100 and falls as expected.
 static double ErrorWith(int patches, double at100) { return at100 * std::pow(100.0 / patches, errorOrder / 2); }
 
 TEST(PatchesFor, IsTheSameWhateverNumberTheErrorWasEstimatedWith) {

@@ -14,7 +14,7 @@ static double Distance(const Graph &g, Index a, Index b) {
 
 static bool TakesPart(const std::vector<Index> &tag, Index u) { return tag.empty() || tag[u] == 1; }
 
-/// What each node counts, the mean of those that take part being 1.
+/// The weight of each node, with a mean of 1 over those that take part.
 static std::vector<double> Counts(const Graph &g, const std::vector<Index> &tag, const std::vector<float> &mass) {
     std::vector<double> counts(g.Size(), 0);
     double sum = 0, nodes = 0;
@@ -30,8 +30,8 @@ static std::vector<double> Counts(const Graph &g, const std::vector<Index> &tag,
     return counts;
 }
 
-/// Every node that takes part in one patch, the others in none; patches not empty, connected; radius and cost as
-/// documented.
+/// Expects that each node that takes part is in one patch, and others in none; that patches are connected and not
+/// empty; and radius and cost as documented.
 static void ExpectPartition(const Graph &g, const std::vector<Index> &tag, const Patches &p,
                             const std::vector<float> &mass = {}) {
     const Index k = p.Size();
@@ -66,7 +66,7 @@ static void ExpectPartition(const Graph &g, const std::vector<Index> &tag, const
     EXPECT_NEAR(p.cost, cost, 1e-5 * cost);
 }
 
-/// What holds in addition when the iteration has converged.
+/// More expectations once the iteration has converged.
 static void ExpectConverged(const Graph &g, const std::vector<Index> &tag, const Patches &p, double D,
                             const std::vector<float> &mass = {}) {
     ExpectPartition(g, tag, p, mass);
@@ -232,7 +232,7 @@ TEST(SamplePatches, IsAsGoodAsThePlainAlgorithm) {
         const PlainPatches plain = SamplePlainly(s.graph, param);
         sum += p.cost / plain.cost / double(cases.size());
         EXPECT_LT(p.Size(), 1.1 * double(plain.center.size()));
-        // With k patches the cost goes as 1 / k, and how often patches are split is a matter of chance.
+        // The cost of k patches is about proportional to 1 / k; how often patches are split is random.
         EXPECT_LT(p.cost * p.Size(), 1.02 * plain.cost * double(plain.center.size()));
     }
     EXPECT_LT(sum, 1.02) << "mean over the meshes";
@@ -246,7 +246,7 @@ TEST(SamplePatches, RoughOnesAreLikeTheOthers) {
         param.rough = true;
         KeptClusters kept;
         const Patches rough = SamplePatches(s.graph, {}, s.nodeArea, param, {}, &kept);
-        for (int patches : {30, 120}) { // what is kept changes nothing
+        for (int patches : {30, 120}) { // reuse changes nothing
             PatchParam next = SamplingParam(patches == 30 ? 0.1 : 0.05, patches);
             EXPECT_EQ(SamplePatches(s.graph, {}, s.nodeArea, next, {}, &kept).patchOf,
                       SamplePatches(s.graph, {}, s.nodeArea, next).patchOf);

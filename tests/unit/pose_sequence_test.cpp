@@ -104,11 +104,11 @@ TEST(Blend, AddsUp) {
     EXPECT_NEAR(Blend({{Told("rotate 0 0 2 300"), 100}, {Told("rotate 0 0 1 200"), 50}}, handleCenter).turn[2],
                 400 * M_PI / 180, 1e-12);
     EXPECT_TRUE(near(Blended({{"scale 4", 50}, {"scale 1 2 3", 100}}), Told("scale 2 4 6").matrix));
-    // Each goes its own way, in no order: the handle's middle goes up, and turns where it is.
+    // Translation and turn add, in any order: the handle's middle moves up, and turns in place.
     const Matrix4d both = Blended({{"translate 0 0 10", 50}, {"rotate 0 1 0 90", 50}});
     EXPECT_TRUE(near(both, Told("rotate 0 1 0 45 translate 0 0 5").matrix));
     EXPECT_TRUE(near(both, Blended({{"rotate 0 1 0 90", 50}, {"translate 0 0 10", 50}})));
-    // From one pose to another, half of the way is between them.
+    // Half-way from one pose to another is between them.
     EXPECT_TRUE(
         near(Blended({{"rotate 0 1 0 40 about 0 0 0", 0}, {"rotate 0 1 0 80", 100}}), Told("rotate 0 1 0 80").matrix));
     MessageOf<BadInput>([] { Blended({{"scale 1e100", 1e5}, {"scale 1e100", 1e5}}); });
@@ -136,7 +136,7 @@ TEST(Blend, OfTurnsAboutOneJointStaysOnTheArc) {
         ASSERT_LT((Blend(aboutAxis, handleCenter).matrix - ToMotion({sum}, handleCenter).matrix).norm(), 1e-9) << trial;
         const Vector3d middle = Affine3d(Blend(across, handleCenter).matrix) * handleCenter;
         ASSERT_NEAR((middle - pivot).norm(), arm.norm(), 1e-9) << trial;
-        // A turn about itself leaves the middle where the others put it.
+        // A turn about itself does not move the middle.
         MotionStep itself = MotionStep::Rotate(RandomVector(random), 300 * number(random));
         across.emplace_back(ToMotion({itself}, handleCenter), 70);
         ASSERT_LT((Affine3d(Blend(across, handleCenter).matrix) * handleCenter - middle).norm(), 1e-9) << trial;
@@ -151,7 +151,7 @@ TEST(Blend, IsContinuous) {
             .matrix;
     };
     for (const double least : {1e-1, 1e-3, 1e-5, 1e-7, 1e-9}) {
-        // A turn beside a shift, a weight, the distance of a pivot, and what is left of turns in opposite directions.
+        // A turn with a shift, a weight, a far pivot, and turns that cancel in part.
         EXPECT_LT(
             (with(MotionStep::Rotate({1, 0, 0}, least), 70) - Blended({{bent, 50}, {"translate 1 2 3", 70}})).norm(),
             least);
@@ -254,7 +254,7 @@ TEST(PoseSequence, IsOfOneSurface) {
     const Arrays arrays = Read(mesh);
     PoseSequence sequence = ReadPoseSequence("time,easing,a\nmotions,,2: scale 2\n", "t.csv");
     const SurfaceMark mark = SurfaceMark::Of(arrays, Affine3d::Identity());
-    sequence.ExpectSurface(mark); // it is not known
+    sequence.ExpectSurface(mark); // any surface: it is not known
     sequence.surface = mark;
     sequence = ReadPoseSequence(PoseSequenceText(sequence), "t.csv");
     sequence.ExpectSurface(mark);
@@ -296,12 +296,12 @@ TEST(SequenceSolver, OfOnePoseIsThatPoseAndOfNoneIsRest) {
         const Matrix3Xd first = rig.Carried(solver.Go(weight));
         EXPECT_TRUE(SameBits(first, rig.Carried(rig.deformer->Solve(handles, rig.param))));
         solver.Go({30, 40});
-        EXPECT_LT((rig.Carried(solver.Go(weight)) - first).cwiseAbs().maxCoeff(), 1e-3); // by another way
+        EXPECT_LT((rig.Carried(solver.Go(weight)) - first).cwiseAbs().maxCoeff(), 1e-3); // on another path
     }
     EXPECT_TRUE(SameBits(rig.Carried(solver.Go({0, 0})), SurfaceView(rig.arrays).Copy()));
 }
 
-/// A surface that is posed by a blend tells the same of it as of any pose, of one pose the same numbers.
+/// A pose by a blend reports the same as any pose; a blend of one pose has the same figures.
 TEST(SequenceSolver, PosesASurfaceWithAllReports) {
     SequenceRig rig;
     const SurfaceView view(rig.arrays);
@@ -344,7 +344,7 @@ TEST(SequenceSolver, HasNoPoints) {
               std::string::npos);
 }
 
-/// A single vertex turns with the surface where no pose turns it. Where one does, it does not jump as that begins.
+/// A single vertex turns with the surface if no pose turns it. If one does, it does not jump when that begins.
 TEST(SequenceSolver, BeginsToTurnAHandleOfOneVertexWithoutAJump) {
     SequenceRig rig;
     for (std::size_t i = 0; i < rig.handles.tag.size(); ++i)
@@ -440,7 +440,7 @@ TEST(SequenceFrames, AreWrittenAndTaken) {
     output.pointCache = nullptr;
     output.gltf = again.Write();
     run(output, 1);
-    EXPECT_TRUE(gltf.content == again.content); // whatever else is made, by any number of threads
+    EXPECT_TRUE(gltf.content == again.content); // with other outputs, and any number of threads
 
     Bytes poses;
     output.gltf = poses.Write();
@@ -479,19 +479,19 @@ TEST(SequenceFrames, TakeOtherSurfacesAlong) {
     };
     output.pointCache = cache.Write();
     run();
-    EXPECT_EQ(calls, 0); // that has the surface alone
+    EXPECT_EQ(calls, 0); // a point cache only has the surface
     output.gltf = gltf.Write();
     EXPECT_EQ(run().frames, 5u);
     EXPECT_EQ(calls, 5);
     EXPECT_NE(gltf.content.find("\"name\":\"eye\",\"translation\":[0.5,0.5,7]"), std::string::npos);
-    for (std::size_t i = 0; i < 5; ++i) { // behind all else: normals of the last frame, and before them its positions
+    for (std::size_t i = 0; i < 5; ++i) { // the file ends with the last frame's positions, then its normals
         const std::size_t n = quad.vert.size(), at = gltf.content.size() - (2 * (5 - i)) * 12 * n;
         EXPECT_EQ(gltf.At<float>(at), float(i + 1));
         EXPECT_EQ(gltf.At<float>(at + 4), 0.f);
     }
     output.shapes = SequenceOutput::EachPose;
     calls = 0;
-    EXPECT_GT(run().difference, 0.9); // of the eye, too, which goes its own way
+    EXPECT_GT(run().difference, 0.9); // also of the eye, which moves differently
     EXPECT_EQ(calls, 2 + 5);
 
     quad.vert[2].P()[1] = std::numeric_limits<double>::quiet_NaN();
@@ -504,7 +504,7 @@ TEST(SequenceFrames, TakeOtherSurfacesAlong) {
     EXPECT_EQ(MessageOf<BadInput>(run), "'eye' has no vertices. Leave it out.");
 }
 
-/// An animation of so many frames, of a shape each.
+/// An animation with a shape for each frame.
 static MorphAnimation FramesOf(int frames) {
     MorphAnimation animation;
     for (int i = 0; i < frames; ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What bends in one region is, to the bit, what it would be if nothing else bent.
+// Each region has the bits that it would have if nothing else were free.
 #include <vcg_ext/deformer.h>
 #include "sanitizers.h"
 #include "test_support.h"
@@ -18,7 +18,7 @@ struct Tagged {
     Shape shape;
     Handles handles;
 
-    /// Balls around random vertices are tagged, one after the other, each with what any vertex may have.
+    /// Tags balls around random vertices, one after the other, with random tags.
     Tagged(Shape whole, unsigned seed) : shape(std::move(whole)) {
         std::mt19937 random(seed);
         handles.tag.assign(std::size_t(shape.Size()), 0);
@@ -86,12 +86,12 @@ int ExpectUnion(const Tagged &each, const DeformationParam &param) {
         ++compared;
         if (testing::Test::HasFailure())
             break;
-        // What is prepared is taken over, both ways.
+        // Prepared regions are taken over, in both directions.
         const Posed kept = PosedBy(view, alone, param, all.deformer.get()),
                     again = PosedBy(view, each.handles, param, one.deformer.get());
         EXPECT_EQ(kept.deformer->regions[0], all.deformer->regions[r]);
         EXPECT_EQ(again.deformer->regions[r], one.deformer->regions[0]);
-        if (!view.isCloud) { // of which not all that joins what is held is looked at
+        if (!view.isCloud) { // of a cloud, not all edges between held points are read
             EXPECT_EQ(kept.deformer->report.components, one.deformer->report.components);
             EXPECT_EQ(again.deformer->report.components, all.deformer->report.components);
         }

@@ -6,7 +6,7 @@ using namespace vcg::fcd;
 using namespace fcd_test;
 using vcg::fcd::detail::SparseFactor;
 
-/// Diagonally dominant, or with a shift for none of that; so many entries beside the diagonal.
+/// A matrix with a diagonal, dominant or not, and random entries beside it.
 static SparseFactor::Matrix RandomMatrix(Index n, int entries, double diagonal) {
     std::mt19937 random(1);
     std::vector<Eigen::Triplet<double>> all;

@@ -226,11 +226,11 @@ TEST(LinePoints, ReadsALineForEachPoint) {
     EXPECT_NE(of("# nothing\n").find("holds no points"), std::string::npos);
 }
 
-/// Points that lie off where they are meant by \p jitter in each direction.
+/// Points with a \p jitter in each direction.
 static Matrix3Xd Jittered(Matrix3Xd points, double jitter, unsigned seed = 1) {
     std::mt19937 random(seed);
     for (auto each : points.colwise())
-        for (double &x : each) { // a sum of twelve, which is the same everywhere, is nearly normal
+        for (double &x : each) { // a sum of twelve is nearly normal, and the same on all systems
             double sum = -6;
             for (int k = 0; k < 12; ++k)
                 sum += double(random() >> 8) * 0x1p-24;
@@ -255,7 +255,7 @@ TEST(LineJitter, LeavesPointsThatAreMeant) {
             EXPECT_EQ(steady.point, line) << count;
             EXPECT_EQ(steady.jitter, 0);
         }
-    // What is so small that the surface does not show it, points farther apart than the body is thick, and very few.
+    // Jitter too small to show, points farther apart than the body is thick, and very few points.
     for (const auto &[count, jitter, thickness] :
          {std::make_tuple(200, 1e-4, 3.0), std::make_tuple(12, 0.3, 1.0), std::make_tuple(7, 0.5, 20.0)}) {
         const Matrix3Xd line = Jittered(BentLine(100, 2, count), jitter);
@@ -309,7 +309,7 @@ TEST(LineMotion, MovesCrossSectionsRigidlyAndTellsItsGradient) {
         }
         EXPECT_LT((gradient - moved.linear).norm(), 0.02) << gradient << "\n\n" << moved.linear;
     }
-    // Beyond the ends all goes with them.
+    // Beyond the ends, all moves with them.
     const LineMotion::Moved end = motion.At(motion.From().Length(), motion.From().At(motion.From().Length()).point);
     const double far = motion.From().Length() + 3;
     EXPECT_LT((motion.At(far, motion.From().At(far).point).position - end.position -
@@ -369,7 +369,8 @@ TEST(Straighten, MakesABentTubeStraight) {
     EXPECT_EQ(made.report.released, 0);
     EXPECT_GT(made.report.largest, 0);
     EXPECT_LT(made.report.rms, 1e-3 * length);
-    // From a line on the surface, by the middles of the cross-sections; without them the outer side keeps its length.
+    // From a line on the surface, with the middles of the cross-sections; without them, the outer side keeps its
+    // length.
     goal.line = BentLine(length, radians, 9, 0, 1, {0, -0.6, 0});
     const Straight outer = Along(bent, goal);
     EXPECT_NEAR(outer.report.length, length + 0.6 * radians, 1e-2);
@@ -399,7 +400,7 @@ TEST(Straighten, TellsTheLineThatIsUsed) {
     for (const auto &each : line.colwise())
         EXPECT_LT(each.tail<2>().norm(), 0.06); // 0.6 is where the surface is
     EXPECT_EQ(FramedLine(line).Length(), report.length);
-    goal.line = line; // which is taken as it is then, with the same bits
+    goal.line = line; // used as it is, with the same bits
     goal.middle = false;
     MotionTo(goal, *deformer, world, again);
     EXPECT_EQ(again.length, report.length);
@@ -420,10 +421,10 @@ TEST(Straighten, DoesNotDependOnHowManyPointsAreGiven) {
         EXPECT_NEAR(made.report.length, 98, 4 * jitter) << count; // its ends jitter, too
         EXPECT_LT(RmsApart(made.position, Points(straight.position)), 2 * jitter) << count;
         EXPECT_EQ(made.report.jitter > 0, count > 20) << count;
-        goal.smoothing = 1e-4; // what is asked for is what is done
+        goal.smoothing = 1e-4; // replaces the removal of jitter
         EXPECT_EQ(Along(bent, goal).report.jitter, 0);
     }
-    // The line that it goes to may jitter, too.
+    // The target may jitter, too.
     LineGoal goal;
     goal.line = BentLine(length, 0.01, 9);
     goal.target = Jittered(BentLine(length, radians, 300, 0, 1.1), jitter);
@@ -478,7 +479,7 @@ TEST(Straighten, FindsTheMiddleBesideAGuard) {
                 const double off = RmsApart(through.position, Points(blade.straight.position));
                 const double without = RmsApart(given.position, Points(blade.straight.position));
                 if (guard > 0 && jitter > 0) {
-                    EXPECT_LE(off, without) << seed; // some jitter beside a guard is too much, and it is left
+                    EXPECT_LE(off, without) << seed; // too much jitter beside a guard stays
                 } else {
                     EXPECT_FALSE(through.report.leftMiddle);
                     EXPECT_LT(off, without) << guard << " " << jitter;
@@ -490,7 +491,7 @@ TEST(Straighten, FindsTheMiddleBesideAGuard) {
 }
 
 TEST(Straighten, LeavesTheMiddleThatWouldStretchMore) {
-    // A fin as high as a third of the body is long: the middle of the cross-sections goes up into it.
+    // A fin as high as a third of the body's length: the middle of the cross-sections is drawn into it.
     Shape straight = Tube(100, 3, 3, 300, 64);
     for (Vector3d &p : straight.position)
         if (p[2] > 2.8)
@@ -561,7 +562,7 @@ TEST(Straighten, TakesATwistOut) {
     goal.untwist = false;
     EXPECT_GT(RmsApart(Along(twisted, goal).position, Points(straight.position)), 0.02 * length);
 
-    // A gap without surface tells no twist, and does no harm.
+    // A gap without surface has no twist, and does no harm.
     goal.untwist = true;
     goal.line = Points({{0, 0, 0}, {length, 0, 0}});
     const Shape ends = Twice(Tube(3, 0.8, 0.4, 31, 24), {7, 0, 0});
@@ -657,7 +658,7 @@ TEST(Straighten, TellsPlacesAlongTheLine) {
 }
 
 TEST(LinePlaces, DoNotJumpToAnotherTurn) {
-    // A chain of nodes that leaves a spiral towards the turn inside, until it is nearer to that.
+    // A chain of nodes that leaves a spiral towards the inner turn, until it is nearer to that.
     std::vector<Vector3d> spiral;
     for (int i = 0; i <= 300; ++i) {
         const double a = 6 * pi * i / 300, r = 4 + 0.3 * a;

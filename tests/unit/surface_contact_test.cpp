@@ -46,7 +46,7 @@ bool Cross(const std::array<Vector3d, 3> &a, const std::array<Vector3d, 3> &b) {
     return through(a, b) || through(b, a);
 }
 
-/// All pairs of faces, each looked at. (Of irregular shapes, so that no edge meets another by a rounding.)
+/// All pairs of faces, by brute force. (Shapes are irregular, so that rounding decides nothing.)
 std::vector<std::uint32_t> CrossingOneByOne(const Shape &shape, const Matrix3Xd &rest, const Matrix3Xd &position) {
     std::set<std::uint32_t> found;
     const auto corners = [&](const Matrix3Xd &at, std::size_t f) {
@@ -85,7 +85,7 @@ TEST(SurfaceContact, IsWhatLookingAtEachPairFinds) {
             Bent(mesh, [](const Vector3d &p) { return Folded(p, 20); }),
             Bent(mesh, [](const Vector3d &p) { return Folded(p, 160); }),
             Bent(mesh,
-                 [](const Vector3d &p) { // pressed in the middle, until the sides are through each other
+                 [](const Vector3d &p) { // pressed in the middle, until the sides pass through each other
                      return Vector3d(p[0], p[1] * (1 - 1.2 * std::exp(-(p[2] - 3) * (p[2] - 3))), p[2]);
                  }),
             PositionsOf(MeshD(Jittered(shape, 0.3, 5)))};
@@ -113,7 +113,7 @@ TEST(SurfaceContact, IsNoneAtRestOrAfterOneMotion) {
         const SurfaceContact atRest = ContactOf(mesh, PositionsOf(mesh));
         EXPECT_TRUE(atRest.face.empty() && atRest.depth.empty() && atRest.pairs == 0);
         EXPECT_TRUE(ContactOf(mesh, Bent(mesh, [&](const Vector3d &p) { return motion * p; })).face.empty());
-        // And in single precision, as what a graph carries is rounded.
+        // Also in single precision.
         EXPECT_TRUE(ContactOf(mesh, Bent(mesh,
                                          [&](const Vector3d &p) {
                                              return Vector3d((motion.linear() * p).cast<float>().cast<double>());

@@ -9,7 +9,7 @@
 using namespace vcg::fcd;
 using namespace fcd_test;
 
-/// Nodes and edges against those read off the mesh: live vertices at equal positions are one node.
+/// Compares nodes and edges with the mesh: live vertices at equal positions are one node.
 template <class Mesh>
 static void ExpectConnectivity(const Mesh &mesh, const SurfaceGraph &s) {
     std::map<std::array<double, 3>, Index> nodeAt;
@@ -205,7 +205,7 @@ TEST(SurfaceGraph, SkipsDeletedElements) {
     mesh.DeleteFace(1);
     mesh.DeleteVertex(0);
     mesh.DeleteEdge(1);
-    mesh.vert[0].P()[0] = std::numeric_limits<double>::quiet_NaN(); // not looked at
+    mesh.vert[0].P()[0] = std::numeric_limits<double>::quiet_NaN(); // deleted: not read
     const SurfaceGraph s = BuildSurfaceGraph(Read(mesh));
     ExpectConnectivity(mesh, s);
     EXPECT_EQ(s.graph.Size(), 16);
@@ -277,7 +277,7 @@ TEST(SurfaceGraph, PointsAreJoinedWithTheirNearest) {
                 ASSERT_NEAR(found[i], all[i], 1e-6f);
             farthest[u] = all[wanted - 1];
         }
-        int longer = 0; // of the few points whose nearest ones lie to two sides alone
+        int longer = 0; // for points whose nearest ones lie on two sides only
         for (const auto &e : EdgesOf(s.graph.adjacency))
             longer +=
                 (x.col(e.first) - x.col(e.second)).norm() > std::max(farthest[e.first], farthest[e.second]) + 1e-6f;
@@ -373,7 +373,7 @@ TEST(SurfaceGraph, JoinsBordersAHairApart) {
 }
 
 TEST(SurfaceGraph, DoesNotJoinWhatIsNoBorder) {
-    // Two closed surfaces that lie on each other but for a hair.
+    // Two nearly coincident closed surfaces.
     const Shape sphere = Sphere(8, 12);
     const SurfaceGraph s =
         BuildSurfaceGraph(Read(MeshD(Join(sphere, Moved(sphere, Eigen::Affine3d(Eigen::Scaling(1 + 1e-6)))))));
@@ -383,7 +383,7 @@ TEST(SurfaceGraph, DoesNotJoinWhatIsNoBorder) {
 }
 
 TEST(SurfaceGraph, WeldsWhereRangesOfVerticesMeet) {
-    const Shape grid = Grid(150, 150); // six corners at most places, and 65536 is no multiple of it
+    const Shape grid = Grid(150, 150); // most positions have six corners, and 65536 is no multiple of that
     const SurfaceGraph welded = BuildSurfaceGraph(Read(MeshD(grid))),
                        soup = BuildSurfaceGraph(Read(MeshD(Unwelded(grid))));
     EXPECT_TRUE(SameBits(soup.graph.position, welded.graph.position));
@@ -592,7 +592,7 @@ TEST(SurfaceGraph, ScanLinesAreASurface) {
             const SurfaceGraph s = BuildSurfaceGraph(Read(MeshD(lines)));
             std::vector<Index> componentOf;
             EXPECT_EQ(ConnectedComponents(s.graph.adjacency, componentOf), 1) << dense;
-            // Each inner point's neighbours lie on its line and on both next ones, and it stands for its share.
+            // Each inner point has neighbours on its line and on both next ones, and its share of the area.
             for (int y = 2; y < 10; ++y)
                 for (int x = 2 * dense; x <= 9 * dense; ++x) {
                     const Index u = s.nodeOf[y * (11 * dense + 1) + x];
@@ -625,7 +625,7 @@ TEST(SurfaceGraph, AFewStrayVerticesDoNotCoarsenTheFrame) {
     }
 }
 
-/// What is free and held of a mesh, and its graph.
+/// A mesh with free and held vertices, and its graph.
 template <class Mesh>
 static SurfaceGraph RegionOf(const Mesh &mesh, const std::vector<int> &tag, unsigned threads = 0) {
     const Region region = FreeRegion(Read(mesh), tag, Eigen::Matrix3d::Identity(), Threads(threads));
@@ -682,7 +682,7 @@ TEST(SurfaceGraphOfARegion, HeldBeatsFreeAndFixedBeatsAHandle) {
         {{1, 1}, 1},  {{1, 2}, 2}, {{2, 1}, 2}, {{0, 1}, 0},  {{1, 0}, 0},    {{2, 0}, 0}, {{0, 2}, 0},   {{1, -1}, 0},
         {{-3, 2}, 0}, {{3, 2}, 2}, {{2, 3}, 2}, {{-1, 0}, 0}, {{1, 3, 2}, 2}, {{5}, 5},    {{3, 1, 0}, 0}};
     for (const auto &c : cases)
-        for (bool faces : {false, true}) { // of the further vertices: held and far from anything free
+        for (bool faces : {false, true}) { // of more vertices: held and far from free ones
             Shape shape = Triangle();      // whose first vertex is there several times
             std::vector<int> tag{c.first[0], 1, 7};
             for (std::size_t i = 1; i < c.first.size(); ++i) {
@@ -711,7 +711,8 @@ TEST(SurfaceGraphOfARegion, DeletedVerticesHaveNoSay) {
 }
 
 TEST(SurfaceGraphOfARegion, HoldsASoupWhereOneOfTheVerticesIsHeld) {
-    // A tag per face: vertices at one place differ. What is held there is found though it shares no face with the free.
+    // A tag for each face: vertices at one position differ. Held ones there are found, though they share no face with
+    // free ones.
     for (unsigned seed = 1; seed <= 5; ++seed) {
         const Shape whole = Jittered(Grid(60, 50), 0.3), soup = Unwelded(whole);
         std::vector<int> tag, expected(whole.position.size(), std::numeric_limits<int>::max());
@@ -746,7 +747,7 @@ TEST(SurfaceGraphOfARegion, HoldsASoupWhereOneOfTheVerticesIsHeld) {
 }
 
 TEST(SurfaceGraphOfARegion, VerticesAtTheSamePlaceAgreeThoughNoneIsFree) {
-    // A handle's vertices beside free surface, and fixed ones at the same places that share no face with it.
+    // A handle's vertices beside free surface, and fixed ones at the same positions without a common face.
     const int n = 60;
     Shape shape = Grid(n, n);
     std::vector<int> tag = TagsOf(shape, [](const Eigen::Vector3d &p) { return p[0] < 29.5 ? 2 : 1; });
@@ -814,8 +815,8 @@ TEST(SurfaceGraphOfARegion, DoesNotDependOnTheThreads) {
 }
 
 TEST(SurfaceGraphOfARegion, IsHeldByWhatIsAHairAway) {
-    // The second grid is held: the first one is joined to its border, and whatever else is held changes nothing.
-    for (double gap : {0.0, 1e-8, 3e-6, 1e-5}) { // of a diagonal of 6.4: the last is none
+    // The second grid is held: the first one is joined to its border, and other held vertices change nothing.
+    for (double gap : {0.0, 1e-8, 3e-6, 1e-5}) { // the diagonal is 6.4: the last is beyond the weld distance
         const Shape shape = TwoGrids(gap);
         const auto tags = [](int n) {
             std::vector<int> tag(n, 0);
@@ -829,7 +830,7 @@ TEST(SurfaceGraphOfARegion, IsHeldByWhatIsAHairAway) {
         EXPECT_EQ(s.report.welded + s.report.seams, isJoined ? 5 : 0);
         for (int i = 30; i < shape.Size(); ++i)
             EXPECT_EQ(s.nodeOf[i] >= 0, isJoined && shape.position[i][0] < 5.5);
-        // Held vertices near the free surface, but at no border of it, and far ones.
+        // Held vertices near the free surface, but not at its border, and far ones.
         Shape with = Join(shape, Moved(Grid(9, 9), Eigen::Affine3d(Eigen::Translation3d(0.3, 0, 1e-5))));
         with = Join(with, Moved(Grid(9, 9), Eigen::Affine3d(Eigen::Translation3d(100, 0, 0))));
         SurfaceGraph t = RegionOf(MeshD(with), tags(with.Size()));

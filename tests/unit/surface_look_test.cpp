@@ -37,7 +37,7 @@ TEST(SurfaceLook, SplitsVerticesAlongSeamsAlone) {
     EXPECT_EQ(same.wedge, (Numbers{0, 1, 2, 7, 11}));
 
     for (std::size_t k = 0; k < 3; ++k)
-        look.place[18 + 2 * k] = 0.25f; // the third one has another place
+        look.place[18 + 2 * k] = 0.25f; // the third face has other coordinates
     look.place[12] = 1;                 // and, of the second one, slot 2
     const PackedSurface split(leaves.View(), look, {});
     EXPECT_EQ(split.slot, (Numbers{0, 2, 3, 4, 5, 2, 3, 2})); // its own first
@@ -61,7 +61,7 @@ TEST(SurfaceLook, SplitsVerticesBetweenColorsOfFaces) {
     const PackedSurface split(leaves.View(), look, {});
     EXPECT_EQ(split.slot, (Numbers{0, 2, 3, 4, 5, 3, 2}));
     EXPECT_EQ(split.corner, (Numbers{0, 1, 2, 1, 3, 2, 5, 6, 4}));
-    look.color.resize(6); // goes before
+    look.color.resize(6); // wins over faceColor
     EXPECT_EQ(PackedSurface(leaves.View(), look, {}).slot, (Numbers{0, 2, 3, 4, 5}));
     EXPECT_TRUE(look.HasColors());
 }
@@ -71,7 +71,7 @@ TEST(SurfaceLook, BringsTrianglesOfATextureTogether) {
     SurfaceLook look;
     look.place.assign(24, 0);
     look.image = {{"a.png", "\x89PNG\r\n\x1A\n and more"}, {"b", ""}};
-    EXPECT_EQ(look.TextureOf(3), 0); // that of all, where no other is told
+    EXPECT_EQ(look.TextureOf(3), 0); // the default for all faces
     look.texture = {1, 7, -3, 0};
     EXPECT_EQ(look.TextureOf(1), SurfaceLook::plain);
     const PackedSurface packed(leaves.View(), look, {});
@@ -83,10 +83,10 @@ TEST(SurfaceLook, BringsTrianglesOfATextureTogether) {
         EXPECT_EQ(packed.range[i].count, 3u);
     }
     EXPECT_TRUE(look.IsShown(0));
-    EXPECT_FALSE(look.IsShown(1)); // it is not there
+    EXPECT_FALSE(look.IsShown(1)); // its file is missing
     EXPECT_FALSE(look.IsShown(SurfaceLook::plain));
     look.place.clear();
-    EXPECT_EQ(look.TextureOf(0), SurfaceLook::plain); // it would lie nowhere
+    EXPECT_EQ(look.TextureOf(0), SurfaceLook::plain); // no texture coordinates
     EXPECT_FALSE(look.HasColors());
 }
 

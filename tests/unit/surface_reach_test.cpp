@@ -12,7 +12,7 @@ TEST(SurfaceReach, FindsWhatTheShortestWayReaches) {
     const Index n = 120;
     graph.adjacency = RandomGraph(n, 200, 3);
     graph.position = Eigen::Matrix3Xf::Random(3, n);
-    // Bellman and Ford, as the oracle.
+    // Bellman-Ford, as the oracle.
     std::vector<double> distance(std::size_t(n), std::numeric_limits<double>::infinity());
     distance[7] = distance[90] = 0;
     for (Index round = 0; round < n; ++round)

@@ -26,7 +26,7 @@ struct Crumbs {
         shape = Join(std::move(shape), part);
         tag.resize(std::size_t(shape.Size()), 1);
     }
-    /// So many small ones inside of the ball of a radius.
+    /// Adds small ones inside a ball.
     void Scatter(int parts, double radius, unsigned seed) {
         std::mt19937 random(seed);
         const std::vector<Shape> kinds{Sphere(4, 6), Fan(5), Unwelded(Sphere(3, 4)), Fan3()};
@@ -34,8 +34,7 @@ struct Crumbs {
             Add(Moved(kinds[std::size_t(i) % kinds.size()],
                       Eigen::Translation3d(radius * RandomVector(random).normalized()) * Eigen::Scaling(0.003)));
     }
-    /// Faces that are there twice, without an area, and a third one at an edge, and free vertices at one place,
-    /// everywhere.
+    /// Adds repeated faces, faces without an area, third faces at edges, and coincident free vertices.
     void Spoil() {
         const std::size_t faces = shape.face.size();
         for (std::size_t f = 0; f < faces; f += 7) {
@@ -54,7 +53,7 @@ struct Crumbs {
         }
     }
 
-    /// Each region, read by itself, is what it is where all else is held. \return how many there are
+    /// Expects that each region, read by itself, is the same as with all else held. \return number of regions
     Index Check(unsigned threads) const {
         const Arrays arrays = Read(MeshD(shape));
         const SurfaceView view(arrays);
@@ -156,7 +155,7 @@ TEST(TakeRegions, TakesSeamsAndHeldVerticesBesideFreeOnes) {
     seam.Add(Moved(Grid(3, 3), Affine3d(Eigen::Scaling(0.1))));
     std::fill(seam.tag.end() - 2, seam.tag.end(), 0);
     seam.Add(Moved(Grid(3, 3), Eigen::Translation3d(0.2 + 1e-8, 0, 0) * Affine3d(Eigen::Scaling(0.1))));
-    // A fixed vertex that no face joins with a free one, but which is at the place of one.
+    // A fixed vertex at the position of a free one, without a common face.
     const auto free = std::find(seam.tag.begin(), seam.tag.end(), 1) - seam.tag.begin();
     Shape fixed = Moved(Triangle(), Affine3d(Eigen::Translation3d(seam.shape.position[std::size_t(free)])));
     fixed.position[1] = fixed.position[2] = Vector3d::Zero();

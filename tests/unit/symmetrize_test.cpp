@@ -56,7 +56,7 @@ TEST(HalfPose, OfABendIsABendByHalf) {
     const double chord = (half.position.col(n - 1) - half.position.col(0)).norm();
     EXPECT_NEAR(chord, std::sin(angle / 4) / (angle / 4), 1e-3);
     EXPECT_LT((half.linear[100] - detail::RotationBy(angle / 2, Eigen::Vector3d::UnitZ())).norm(), 1e-12);
-    // Half of the way back is the same shape.
+    // Half-way back is the same shape.
     DeformationGraph bent = graph;
     GraphPose back = full;
     for (Index j = 0; j < n; ++j) {

@@ -20,7 +20,7 @@ struct Shape {
     int Size() const { return int(position.size()); }
 };
 
-// VCG meshes with nothing but what vcg_ext may rely on, for double and float coordinates.
+// VCG meshes with only what vcg_ext may rely on, with double and float coordinates.
 class VertexD;
 class FaceD;
 class EdgeD;

@@ -20,7 +20,7 @@
 
 namespace fcd_test {
 
-/// What a test goes through; of that, sanitizers get the first: the code that runs is the same with all of it.
+/// The cases of a test. With sanitizers, only the first: they run the same code.
 template <class T>
 std::vector<T> Rounds(std::initializer_list<T> all) {
     return std::vector<T>(all.begin(), sanitized ? all.begin() + 1 : all.end());
@@ -146,7 +146,7 @@ class UnionFind {
     std::vector<Index> parent;
 };
 
-/// Components of the nodes when only edges with joined(u, v) count.
+/// Components of the nodes, by the edges with joined(u, v).
 template <class Joined>
 UnionFind ComponentsWhere(const Csr &csr, const Joined &joined) {
     UnionFind sets(csr.Size());
@@ -187,7 +187,7 @@ class CommaLocale {
     ~CommaLocale() { std::setlocale(LC_ALL, before.c_str()); }
 };
 
-/// What a progress callback was told. One at a time.
+/// Records the calls of a progress callback. Only one at a time.
 class CallbackLog {
   public:
     std::vector<int> percent;
@@ -281,7 +281,7 @@ struct Rig {
             constrained.push_back(tag[c] != 1);
     }
 
-    /// motion(tag), mesh units, of each node of the graph, in the frame.
+    /// The motion of each node of the graph, frame units. \param motion motion(tag), mesh units
     template <class MotionOf>
     std::vector<Eigen::Affine3d> NodeMotion(const MotionOf &motion) const {
         std::vector<Eigen::Affine3d> result;
@@ -300,7 +300,7 @@ inline int TubeTag(const Eigen::Vector3d &p, double length = 6) {
 inline const Eigen::Affine3d bend =
     Eigen::Translation3d(1.5, 0.5, -0.5) * Eigen::AngleAxisd(1, Eigen::Vector3d(1, 0.3, 0.2).normalized());
 
-/// A shape and what is to be done with it.
+/// A shape with tags and motions.
 struct Case {
     Shape shape;
     vcg::fcd::Handles handles;
@@ -324,8 +324,8 @@ Eigen::Matrix3Xd PositionsOf(const Mesh &mesh) {
     return x;
 }
 
-/// Live vertices that are fixed or outside, and deleted ones, keep their bits; those of handles are where their motion
-/// puts them at 100 percent; all are finite.
+/// Expects that fixed, outside and deleted vertices keep their bits, that handles are exactly where their motions put
+/// them at 100 percent, and that all live ones are finite.
 template <class Mesh>
 void ExpectHeldExact(const Mesh &mesh, const vcg::fcd::Handles &handles, const Eigen::Matrix3Xd &result) {
     const Eigen::Matrix3Xd rest = PositionsOf(mesh);

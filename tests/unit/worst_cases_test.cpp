@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The worst meshes and handles that can be made up: finite output with what is held where it belongs, or one clear
-// error, in seconds.
+// The worst possible meshes and handles: within seconds, finite output with held vertices in place, or one clear error.
 #include <vcg_ext/centroidal_deformation.h>
 #include "test_support.h"
 
@@ -76,7 +75,7 @@ static DeformationParam CoarseParam(double targetRadius = 0) {
     return param;
 }
 
-/// Deforms, with the promises for what is held. Both ways to weigh the nodes, which are about what follows the graph.
+/// Deforms with both kinds of weights, and checks the promises for held vertices.
 static void ExpectDeforms(const Shape &shape, const Handles &handles, DeformationParam param = CoarseParam()) {
     const MeshD mesh(shape);
     for (MappingWeights weights : {MappingWeights::Surface, MappingWeights::Euclidean}) {
@@ -135,7 +134,7 @@ TEST(WorstCases, ManyHandles) {
     ExpectDeforms(shape, all);
 }
 
-/// Faces around an edge. To factorise what hangs on one node takes sanitizers the cube of it: for a thousand 20 s.
+/// Faces around an edge. With sanitizers, factorising a star takes time by the cube of its size: 20 s for a thousand.
 static const int manyAround = sanitized ? 300 : many;
 
 TEST(WorstCases, AFanOfManyFaces) {
@@ -156,7 +155,7 @@ TEST(WorstCases, AFanOfTagsInTurn) {
 }
 
 TEST(WorstCases, AFanOfAPatchPerVertex) {
-    // The graph is a star: one node with ten thousand neighbours; 2500 are too many for the bi-Laplacian already.
+    // The graph is a star: one node with ten thousand neighbours; 2500 are already too many for the bi-Laplacian.
     const int n = sanitized ? 2500 : 10000;
     const Shape fan = Fan(n);
     Handles few;
@@ -181,7 +180,7 @@ TEST(WorstCases, AllVerticesAtOnePoint) {
     const Shape grid = AtOnePoint(sanitized ? Grid(70, 70) : Grid(100, 100), point);
     for (const Shape &shape : {grid, Points(grid)}) {
         ExpectGraph(shape);
-        // One place is one node: what is fixed there holds all of it, and a handle carries the free.
+        // One position is one node: a fixed vertex there holds all of it, and a handle carries free ones.
         Handles handles = TagsInTurn(shape.position.size());
         Matrix3Xd x = DeformCentroidal(MeshD(shape), handles, CoarseParam()).position;
         EXPECT_TRUE((x.colwise() - point).isZero(0));
@@ -221,7 +220,7 @@ TEST(WorstCases, ACollinearStrip) {
 }
 
 TEST(WorstCases, FineDetailFarFromTheOrigin) {
-    // At 1e7 with detail of 1e-2: the answer is the one at the origin, as far as the coordinates can tell.
+    // At 1e7 with detail of 1e-2: the same result as at the origin, up to the precision of the coordinates.
     const Vector3d far(1e7, -1e7, 1e7);
     const Case near = Bar(), there = Bar(1, far);
     const MeshD mesh(there.shape);
@@ -233,7 +232,7 @@ TEST(WorstCases, FineDetailFarFromTheOrigin) {
 }
 
 TEST(WorstCases, DetailBelowThePrecisionOfTheFrame) {
-    // 1e7 wide, with two pieces in which vertices are 1e-2 apart: to the frame each is a point.
+    // 1e7 wide, with two pieces whose vertices are 1e-2 apart: in the frame each is a point.
     const Shape shape =
         Join(Moved(Grid(20, 20, 0.01), Affine3d(Eigen::Translation3d(-1e7, 0, 0))),
              Join(Grid(50, 50, 1e5), Moved(Grid(20, 20, 0.01), Affine3d(Eigen::Translation3d(1e7, 0, 0)))));
@@ -251,7 +250,7 @@ TEST(WorstCases, HugeAndTinyCoordinates) {
         const Matrix3Xd x = DeformCentroidal(MeshD(c.shape), c.handles, CoarseParam()).position;
         EXPECT_LE((x / scale - once).cwiseAbs().maxCoeff(), 1e-9) << scale;
     }
-    // Near the end of the numbers: positions are finite, squares of lengths need not be.
+    // Near the largest numbers: positions are finite, but squares of lengths may overflow.
     for (double scale : {1e-308, 1e200, 2e307}) {
         Case c = Bar();
         c.shape = Moved(c.shape, Affine3d(Eigen::Scaling(scale)));
@@ -342,7 +341,7 @@ TEST(WorstCases, AHandleWithoutAMotionStays) {
     Case c = Bar();
     c.handles.motion.clear();
     ExpectDeforms(c.shape, c.handles);
-    c.handles.motion[77] = Motion(bend.matrix()); // of nobody
+    c.handles.motion[77] = Motion(bend.matrix()); // of no vertex
     ExpectDeforms(c.shape, c.handles);
 }
 
@@ -390,7 +389,7 @@ TEST(WorstCases, MotionsBeyondAllMeasure) {
     ExpectError(point, "Point handle 1 moves too far");
 }
 
-// Of another suite: ThreadSanitizer looks at no other worst cases.
+// In a suite of its own: ThreadSanitizer runs no other worst cases.
 TEST(WorstCasesInThreads, AreTheSameToTheBit) {
     const int n = sanitized ? 5000 : 35000;
     const Shape duplicates = Join(PointCloud(3000), PointCloud(3000)), sheet = Grid(n / 650, 160);
@@ -415,7 +414,7 @@ TEST(WorstCasesInThreads, AreTheSameToTheBit) {
 }
 
 TEST(WorstCases, EachTriangleForItselfAHairFromTheOthers) {
-    // Corners that are one place are a hair apart, as a conversion leaves them: also those that are held.
+    // Corners at one position are slightly apart, as after a conversion; also held ones.
     const auto tagAt = [](const Vector3d &p) { return TubeTag(p); };
     const Shape shape = Tube(40, 30);
     const Case whole = CaseOf(shape, tagAt);
@@ -445,7 +444,7 @@ TEST(WorstCases, MoreNodesThanCanBeSolved) {
 }
 
 TEST(WorstCases, TrianglesForThemselvesInAnyPlane) {
-    // Borders are looked for along a line: this one stands on the plane.
+    // Borders are searched along a line, which is normal to this plane.
     const Vector3d line = Vector3d(0.5773, 0.6144, 0.5378).normalized();
     const Shape flat = Unwelded(Grid(sanitized ? 40 : 120, sanitized ? 40 : 120));
     Shape standing = flat;
