@@ -63,23 +63,23 @@ void AffineDeformer::ForTerms(const Stretch &stretch, const Bend &bend) const {
 }
 
 /// The coefficients of node \p i's four unknowns (per coordinate) in x_i - x_j - A_end e. \param sign 1 for i, -1 for j
-Eigen::Vector4d AffineDeformer::Coefficients(Index i, Index end, double sign, const Eigen::Vector3d &way) const {
+Eigen::Vector4d AffineDeformer::Coefficients(Index i, Index end, double sign, const Eigen::Vector3d &restEdge) const {
     Eigen::Vector4d c = Eigen::Vector4d::Zero();
     c[0] = unknown.constrained[std::size_t(i)] ? 0 : sign;
     if (i == end)
-        c.tail<3>() = -way;
+        c.tail<3>() = -restEdge;
     return c;
 }
 
-void AffineDeformer::Factorise(const PoseTerms &given, const Progress &progress) {
+void AffineDeformer::Factorise(const PoseTerms &poseTerms, const Progress &progress) {
     using Block = Eigen::Matrix4d;
     detail::BlockMatrix<4> matrix;
     matrix.diagonal.assign(unknown.rotation.size(), Block::Zero());
     Block both = Block::Zero();
     ForTerms(
         [&](Index i, Index j, std::uint32_t e, Index end, double w) {
-            const Eigen::Vector3d way = graph.edge.col(e).cast<double>();
-            const Eigen::Vector4d c[2] = {Coefficients(i, end, 1, way), Coefficients(j, end, -1, way)};
+            const Eigen::Vector3d restEdge = graph.edge.col(e).cast<double>();
+            const Eigen::Vector4d c[2] = {Coefficients(i, end, 1, restEdge), Coefficients(j, end, -1, restEdge)};
             for (int n = 0; n < 2; ++n)
                 if (const Index b = unknown.turnOf[std::size_t(n == 0 ? i : j)]; b >= 0)
                     matrix.diagonal[std::size_t(b)] += w * c[n] * c[n].transpose();
@@ -100,7 +100,7 @@ void AffineDeformer::Factorise(const PoseTerms &given, const Progress &progress)
     for (std::size_t b = 0; b < unknown.rotation.size(); ++b) {
         const auto i = std::size_t(unknown.rotation[b]);
         matrix.diagonal[b].diagonal().tail<3>().array() +=
-            given.stiffness[i] * smooth + (rigidity + leastStay) * mass[i];
+            poseTerms.stiffness[i] * smooth + (rigidity + leastStay) * mass[i];
         if (unknown.constrained[i])
             matrix.diagonal[b](0, 0) = 1; // its position is given
     }
@@ -131,13 +131,14 @@ detail::GraphEnergy::State AffineDeformer::Base(const std::vector<Eigen::Affine3
 }
 
 /// From node j to i, or where their edge ends; \p e is the adjacency item from j to i.
-Eigen::Vector3d AffineDeformer::Way(const State &x, const PoseTerms &given, Index i, Index j, std::uint32_t e) const {
-    return (unknown.constrained[std::size_t(i)] ? given.from[e] : Eigen::Vector3d(x.position.col(i))) -
-           (unknown.constrained[std::size_t(j)] ? given.to[e] : Eigen::Vector3d(x.position.col(j)));
+Eigen::Vector3d AffineDeformer::PosedEdge(const State &x, const PoseTerms &poseTerms, Index i, Index j,
+                                          std::uint32_t e) const {
+    return (unknown.constrained[std::size_t(i)] ? poseTerms.from[e] : Eigen::Vector3d(x.position.col(i))) -
+           (unknown.constrained[std::size_t(j)] ? poseTerms.to[e] : Eigen::Vector3d(x.position.col(j)));
 }
 
 /// The right side of the system for the change of the unknowns from \p base, without the term of the rigidity.
-Eigen::MatrixX3d AffineDeformer::RightSide(const State &base, const PoseTerms &given) const {
+Eigen::MatrixX3d AffineDeformer::RightSide(const State &base, const PoseTerms &poseTerms) const {
     Eigen::MatrixX3d right = Eigen::MatrixX3d::Zero(4 * Eigen::Index(unknown.rotation.size()), 3);
     const auto turn = [&](Index i, const Eigen::Matrix3d &by) {
         if (unknown.turnOf[std::size_t(i)] >= 0)
@@ -145,12 +146,13 @@ Eigen::MatrixX3d AffineDeformer::RightSide(const State &base, const PoseTerms &g
     };
     ForTerms(
         [&](Index i, Index j, std::uint32_t e, Index end, double w) {
-            const Eigen::Vector3d way = graph.edge.col(e).cast<double>(),
-                                  off = w * (Way(base, given, i, j, e) - base.rotation[std::size_t(end)] * way);
+            const Eigen::Vector3d restEdge = graph.edge.col(e).cast<double>(),
+                                  off = w * (PosedEdge(base, poseTerms, i, j, e) -
+                                             base.rotation[std::size_t(end)] * restEdge);
             for (Index each : {i, j})
                 if (unknown.turnOf[std::size_t(each)] >= 0)
                     right.middleRows<4>(RowOf(each)) -=
-                        Coefficients(each, end, each == i ? 1 : -1, way) * off.transpose();
+                        Coefficients(each, end, each == i ? 1 : -1, restEdge) * off.transpose();
         },
         [&](Index i, Index j, double w) {
             const Eigen::Matrix3d off = w * (base.rotation[std::size_t(i)] - base.rotation[std::size_t(j)]);
@@ -158,8 +160,8 @@ Eigen::MatrixX3d AffineDeformer::RightSide(const State &base, const PoseTerms &g
             turn(j, off);
         });
     for (Index i : unknown.rotation)
-        turn(i,
-             given.stiffness[std::size_t(i)] * smooth * (given.linear[std::size_t(i)] - base.rotation[std::size_t(i)]));
+        turn(i, poseTerms.stiffness[std::size_t(i)] * smooth *
+                    (poseTerms.linear[std::size_t(i)] - base.rotation[std::size_t(i)]));
     return right;
 }
 
@@ -181,7 +183,7 @@ void AffineDeformer::FitRotations(State &x) const {
 
 /// \param x with the quaternions of its maps \param open the linear part that all maps are drawn to
 /// \param shares if not null, each node's share is added to it
-double AffineDeformer::Energy(const State &x, const PoseTerms &given, const Eigen::Matrix3d &open,
+double AffineDeformer::Energy(const State &x, const PoseTerms &poseTerms, const Eigen::Matrix3d &open,
                               std::vector<double> *shares) const {
     double sum = 0;
     const auto add = [&](Index i, double its) {
@@ -191,8 +193,8 @@ double AffineDeformer::Energy(const State &x, const PoseTerms &given, const Eige
     };
     ForTerms(
         [&](Index i, Index j, std::uint32_t e, Index end, double w) {
-            const Eigen::Vector3d way = graph.edge.col(e).cast<double>();
-            add(end, w * (Way(x, given, i, j, e) - x.rotation[std::size_t(end)] * way).squaredNorm());
+            const Eigen::Vector3d restEdge = graph.edge.col(e).cast<double>();
+            add(end, w * (PosedEdge(x, poseTerms, i, j, e) - x.rotation[std::size_t(end)] * restEdge).squaredNorm());
         },
         [&](Index i, Index j, double w) {
             const double its = w * (x.rotation[std::size_t(i)] - x.rotation[std::size_t(j)]).squaredNorm();
@@ -201,7 +203,7 @@ double AffineDeformer::Energy(const State &x, const PoseTerms &given, const Eige
         });
     for (Index i : unknown.rotation) {
         const Eigen::Matrix3d &its = x.rotation[std::size_t(i)];
-        add(i, given.stiffness[std::size_t(i)] * smooth * (its - given.linear[std::size_t(i)]).squaredNorm());
+        add(i, poseTerms.stiffness[std::size_t(i)] * smooth * (its - poseTerms.linear[std::size_t(i)]).squaredNorm());
         if (rigidity > 0)
             add(i,
                 rigidity * mass[std::size_t(i)] * (its - detail::ToMatrix(x.quaternion[std::size_t(i)])).squaredNorm());
@@ -218,13 +220,13 @@ GraphPose AffineDeformer::Solve(const std::vector<Eigen::Affine3d> &motion, cons
     const Eigen::Affine3d common = detail::CommonMotion(graph, unknown, motion);
     const State base = Base(motion, common);
     State state = base;
-    const PoseTerms given(energy, motion, base, smooth);
+    const PoseTerms poseTerms(energy, motion, base, smooth);
     if (!unknown.rotation.empty()) {
-        const Eigen::MatrixX3d right = RightSide(base, given);
+        const Eigen::MatrixX3d right = RightSide(base, poseTerms);
         if (laplacian) {
             const State guess = detail::InitialGuess(graph, unknown, *laplacian, motion, last, lastMotion);
             state.quaternion = guess.quaternion;
-            Minimise(base, given, right, common.linear(), param, state, pose, progress);
+            Minimise(base, poseTerms, right, common.linear(), param, state, pose, progress);
             const double nearby = 1; // half of 2 radians, as in GraphDeformer::Follow
             for (Index i : unknown.rotation)
                 if (last && std::abs(state.quaternion[std::size_t(i)].dot(guess.quaternion[std::size_t(i)])) <
@@ -236,7 +238,7 @@ GraphPose AffineDeformer::Solve(const std::vector<Eigen::Affine3d> &motion, cons
         }
     }
     pose.nodeEnergy.assign(std::size_t(k), 0);
-    Energy(state, given, common.linear(), &pose.nodeEnergy);
+    Energy(state, poseTerms, common.linear(), &pose.nodeEnergy);
     for (double its : pose.nodeEnergy)
         pose.energy += its;
     pose.affine = true;
@@ -246,7 +248,7 @@ GraphPose AffineDeformer::Solve(const std::vector<Eigen::Affine3d> &motion, cons
 }
 
 /// Makes local and global steps until \p state is at rest. \param state begins with its quaternions
-void AffineDeformer::Minimise(const State &base, const PoseTerms &given, const Eigen::MatrixX3d &right,
+void AffineDeformer::Minimise(const State &base, const PoseTerms &poseTerms, const Eigen::MatrixX3d &right,
                               const Eigen::Matrix3d &common, const SolverParam &param, State &state, GraphPose &pose,
                               const Progress &progress) const {
     const Eigen::Matrix3Xf &rest = graph.graph.position;
@@ -286,7 +288,7 @@ void AffineDeformer::Minimise(const State &base, const PoseTerms &given, const E
         FitRotations(x);
     };
     step(State(state), state);
-    state.energy = Energy(state, given, common, nullptr);
+    state.energy = Energy(state, poseTerms, common, nullptr);
     State stepped = state, mixed = state;
     const auto numbers = Eigen::Index(9 * unknown.rotation.size() + 3 * unknown.position.size());
     detail::Anderson anderson{std::size_t(numbers)};
@@ -301,10 +303,10 @@ void AffineDeformer::Minimise(const State &base, const PoseTerms &given, const E
         pack(stepped, after);
         anderson.Mix(here, after);
         pose.converged = moved <= (1 - anderson.Contraction()) * still || moved <= rounding;
-        stepped.energy = Energy(stepped, given, common, nullptr);
+        stepped.energy = Energy(stepped, poseTerms, common, nullptr);
         if (param.accelerated && edgeLength > 0) {
             unpack(after, mixed);
-            mixed.energy = Energy(mixed, given, common, nullptr);
+            mixed.energy = Energy(mixed, poseTerms, common, nullptr);
             std::swap(state, mixed.energy < stepped.energy ? mixed : stepped);
         } else {
             std::swap(state, stepped);

@@ -46,18 +46,18 @@ class AffineDeformer {
 
     template <class Stretch, class Bend>
     void ForTerms(const Stretch &stretch, const Bend &bend) const;
-    void Factorise(const PoseTerms &given, const Progress &progress);
+    void Factorise(const PoseTerms &poseTerms, const Progress &progress);
     State Base(const std::vector<Eigen::Affine3d> &motion, const Eigen::Affine3d &common) const;
     /// The first of node \p i's four rows: one of its position, three of its map.
     Eigen::Index RowOf(Index i) const { return 4 * Eigen::Index(unknown.turnOf[std::size_t(i)]); }
-    Eigen::Vector4d Coefficients(Index i, Index end, double sign, const Eigen::Vector3d &way) const;
-    Eigen::Vector3d Way(const State &x, const PoseTerms &given, Index i, Index j, std::uint32_t e) const;
-    Eigen::MatrixX3d RightSide(const State &base, const PoseTerms &given) const;
+    Eigen::Vector4d Coefficients(Index i, Index end, double sign, const Eigen::Vector3d &restEdge) const;
+    Eigen::Vector3d PosedEdge(const State &x, const PoseTerms &poseTerms, Index i, Index j, std::uint32_t e) const;
+    Eigen::MatrixX3d RightSide(const State &base, const PoseTerms &poseTerms) const;
     void Solved(const State &base, const Eigen::MatrixX3d &right, State &x) const;
     void FitRotations(State &x) const;
-    double Energy(const State &x, const PoseTerms &given, const Eigen::Matrix3d &open,
+    double Energy(const State &x, const PoseTerms &poseTerms, const Eigen::Matrix3d &open,
                   std::vector<double> *shares) const;
-    void Minimise(const State &base, const PoseTerms &given, const Eigen::MatrixX3d &right,
+    void Minimise(const State &base, const PoseTerms &poseTerms, const Eigen::MatrixX3d &right,
                   const Eigen::Matrix3d &common, const SolverParam &param, State &state, GraphPose &pose,
                   const Progress &progress) const;
     double LargestMove(const State &x, const State &y) const;

@@ -18,8 +18,8 @@ namespace {
 /// Moves the nodes of the fine graph by a pose of the coarse one.
 class CoarseMapping {
   public:
-    CoarseMapping(const CoarseGraph &coarse, const NodeConstraints &given, const GraphPose &pose)
-        : graph(coarse.graph), given(given), pose(pose) {}
+    CoarseMapping(const CoarseGraph &coarse, const NodeConstraints &constraints, const GraphPose &pose)
+        : graph(coarse.graph), constraints(constraints), pose(pose) {}
 
     /// Like GraphMapping: blends the node's group and that group's neighbours, with the mean of the rotations at both
     /// ends. \param g the group \param x its position at rest, frame units
@@ -48,8 +48,8 @@ class CoarseMapping {
         for (std::uint32_t e = begin; e < end; ++e) {
             const Index j = graph.graph.adjacency.item[e];
             const Eigen::Vector3d place = PlaceOf(g, e);
-            const Eigen::Vector3d to =
-                graph.IsHeld(j) ? Eigen::Vector3d(given.motion[j] * place) : Eigen::Vector3d(pose.position.col(j));
+            const Eigen::Vector3d to = graph.IsHeld(j) ? Eigen::Vector3d(constraints.motion[j] * place)
+                                                       : Eigen::Vector3d(pose.position.col(j));
             moved += weightAt(place) * taken(place, to, j);
         }
         return moved / sum;
@@ -64,19 +64,19 @@ class CoarseMapping {
     }
 
     const DeformationGraph &graph;
-    const NodeConstraints &given;
+    const NodeConstraints &constraints;
     const GraphPose &pose;
 };
 
 } // namespace
 
-double DiscretisationError(const DeformationGraph &graph, const std::vector<double> &area, const NodeConstraints &given,
-                           const GraphPose &pose, GraphWeights weights, const SolverParam &solver,
-                           const ShapeConstants &shape, const Progress &progress) {
+double DiscretisationError(const DeformationGraph &graph, const std::vector<double> &area,
+                           const NodeConstraints &constraints, const GraphPose &pose, GraphWeights weights,
+                           const SolverParam &solver, const ShapeConstants &shape, const Progress &progress) {
     const double unknown = std::numeric_limits<double>::quiet_NaN();
     if (!pose.moves)
         return 0;
-    const CoarseGraph coarse = Coarsen(graph, area, given.constrained, weights, shape);
+    const CoarseGraph coarse = Coarsen(graph, area, constraints.constrained, weights, shape);
     const Index k = coarse.graph.Size();
     if (k == graph.Size()) // nothing was merged, as in parts of one node
         return unknown;
@@ -86,12 +86,12 @@ double DiscretisationError(const DeformationGraph &graph, const std::vector<doub
     begin.rests.assign(std::size_t(k), 0);
     for (Index g = 0; g < k; ++g) {
         const Index i = coarse.leader[g];
-        ofGroups.constrained[g] = given.constrained[i];
-        ofGroups.compliant[g] = given.compliant[i];
-        ofGroups.heldArea[g] = given.heldArea[i];
-        ofGroups.motion.push_back(given.motion[i]);
-        const Eigen::Vector3f way = coarse.graph.graph.position.col(g) - graph.graph.position.col(i);
-        begin.position.col(g) = pose.position.col(i) + pose.linear[i] * way.cast<double>();
+        ofGroups.constrained[g] = constraints.constrained[i];
+        ofGroups.compliant[g] = constraints.compliant[i];
+        ofGroups.heldArea[g] = constraints.heldArea[i];
+        ofGroups.motion.push_back(constraints.motion[i]);
+        const Eigen::Vector3f offset = coarse.graph.graph.position.col(g) - graph.graph.position.col(i);
+        begin.position.col(g) = pose.position.col(i) + pose.linear[i] * offset.cast<double>();
         begin.linear.push_back(pose.linear[i]);
         if (!pose.rests.empty())
             begin.rests[g] = pose.rests[i];
@@ -116,7 +116,7 @@ double DiscretisationError(const DeformationGraph &graph, const std::vector<doub
         const Csr::Row row = coarse.graph.graph.adjacency[g];
         const bool isAlone = count[g] == 1 && // its part was not merged
                              std::all_of(row.begin(), row.end(), [&](Index j) { return ofGroups.constrained[j]; });
-        if (given.constrained[i] || isAlone)
+        if (constraints.constrained[i] || isAlone)
             continue;
         const Eigen::Vector3d x = graph.graph.position.col(i).cast<double>();
         sum += area[i] * (mapping(g, x) - pose.position.col(i)).squaredNorm();

@@ -19,12 +19,12 @@ constexpr double errorOrder = 1.5;
 /// Estimates how far \p pose is from the pose with a node at every vertex. A graph of a quarter of the nodes (Coarsen)
 /// is posed for the same motions; the difference and its order give the error that is left (Richardson's
 /// extrapolation).
-/// \param area k values: of the patches, frame units^2 \param given with the motions that \p pose was solved for
+/// \param area k values: of the patches, frame units^2 \param constraints with the motions that \p pose was solved for
 /// \param pose of \p graph; the coarse graph begins from it, so that it bends to the same side
 /// \return root mean square over the free surface, frame units; 0 if nothing moves, NaN if it is unknown
-double DiscretisationError(const DeformationGraph &graph, const std::vector<double> &area, const NodeConstraints &given,
-                           const GraphPose &pose, GraphWeights weights, const SolverParam &solver,
-                           const ShapeConstants &shape = {}, const Progress &progress = {});
+double DiscretisationError(const DeformationGraph &graph, const std::vector<double> &area,
+                           const NodeConstraints &constraints, const GraphPose &pose, GraphWeights weights,
+                           const SolverParam &solver, const ShapeConstants &shape = {}, const Progress &progress = {});
 
 } // namespace vcg::fcd
 

@@ -83,13 +83,13 @@ class GraphDeformer {
         if (unknown.rotation.empty()) {
             pose.nodeEnergy.assign(k, 0);
         } else {
-            const PoseTerms given(energy, motion, state, param.smoothness * area);
+            const PoseTerms poseTerms(energy, motion, state, param.smoothness * area);
             if (param.follow)
-                Follow(given, param, last != nullptr, state, pose, progress);
+                Follow(poseTerms, param, last != nullptr, state, pose, progress);
             else
-                Minimise(given, param, param.maxIterations, state, pose, progress);
+                Minimise(poseTerms, param, param.maxIterations, state, pose, progress);
             pose.energy = state.energy;
-            pose.nodeEnergy = energy.Shares(state, given);
+            pose.nodeEnergy = energy.Shares(state, poseTerms);
         }
         pose.position = std::move(state.position);
         for (Index i : unknown.rotation)
@@ -100,16 +100,16 @@ class GraphDeformer {
     /// How far \p pressure (k values) moves the free nodes; see GraphLaplacian::Spread. \return k values, 0 for
     /// constrained nodes
     Eigen::VectorXd Spread(const Eigen::VectorXd &pressure) const {
-        Eigen::VectorXd way = Eigen::VectorXd::Zero(pressure.size());
+        Eigen::VectorXd displacement = Eigen::VectorXd::Zero(pressure.size());
         Eigen::VectorXd known(Eigen::Index(unknown.position.size()));
         for (std::size_t u = 0; u < unknown.position.size(); ++u)
             known[Eigen::Index(u)] = pressure[unknown.position[u]];
         if (known.size() == 0)
-            return way;
+            return displacement;
         const Eigen::VectorXd moved = laplacian.Spread(known);
         for (std::size_t u = 0; u < unknown.position.size(); ++u)
-            way[unknown.position[u]] = moved[Eigen::Index(u)];
-        return way;
+            displacement[unknown.position[u]] = moved[Eigen::Index(u)];
+        return displacement;
     }
 
   private:
@@ -120,7 +120,7 @@ class GraphDeformer {
     /// far from rest, local and global ones. Otherwise, Newton's method looks for a stationary state nearby, which may
     /// be a saddle. If there is none, the state descends to rest wherever that leads.
     /// \param goesOn whether it begins at another pose, not at rest
-    void Follow(const PoseTerms &given, const SolverParam &param, bool goesOn, State &state, GraphPose &pose,
+    void Follow(const PoseTerms &poseTerms, const SolverParam &param, bool goesOn, State &state, GraphPose &pose,
                 const Progress &progress) const {
         const int quick = 40;      // quasi-Newton steps: 7 to 30 do
         const int few = 100;       // local and global ones: 20 to 80 do
@@ -132,16 +132,16 @@ class GraphDeformer {
         SolverParam slowly = param;
         slowly.quasiNewton = false;
         if (IsQuasiNewton(param)) {
-            Minimise(given, param, upTo(quick), state, pose, progress.Slice(0, 0.1));
+            Minimise(poseTerms, param, upTo(quick), state, pose, progress.Slice(0, 0.1));
             if (pose.iterations == param.maxIterations || (pose.converged && isNear(state)))
                 return;
             state = begin;
         }
-        Minimise(given, slowly, upTo(few), state, pose, progress.Slice(0.1, 0.4));
+        Minimise(poseTerms, slowly, upTo(few), state, pose, progress.Slice(0.1, 0.4));
         if (pose.iterations == param.maxIterations || (pose.converged && isNear(state)))
             return;
         State stationary = state;
-        detail::GraphNewton newton = NewtonOf(given, param);
+        detail::GraphNewton newton = NewtonOf(poseTerms, param);
         // From where the steps led, if that was not down another way; otherwise from where they began.
         pose.followed = !goesOn &&
                         newton.FindStationary(param.maxIterations, stationary, pose, progress.Slice(0.4, 0.6)) &&
@@ -149,18 +149,18 @@ class GraphDeformer {
         if (!pose.followed) {
             stationary = begin;
             pose.followed = newton.FindStationary(param.maxIterations, stationary, pose, progress.Slice(0.6, 0.8)) &&
-                            isNear(stationary) && stationary.energy <= (1 + least) * energy.Of(begin, given);
+                            isNear(stationary) && stationary.energy <= (1 + least) * energy.Of(begin, poseTerms);
         }
         if (pose.followed)
             state = std::move(stationary);
         else if (!pose.converged)
-            Minimise(given, slowly, param.maxIterations, state, pose, progress.Slice(0.8, 1));
+            Minimise(poseTerms, slowly, param.maxIterations, state, pose, progress.Slice(0.8, 1));
         pose.converged = pose.converged || pose.followed;
         pose.unstable = pose.unstable && pose.followed;
     }
 
-    detail::GraphNewton NewtonOf(const PoseTerms &given, const SolverParam &param) const {
-        return {energy, unknown, given, edgeLength, Still(param)};
+    detail::GraphNewton NewtonOf(const PoseTerms &poseTerms, const SolverParam &param) const {
+        return {energy, unknown, poseTerms, edgeLength, Still(param)};
     }
     bool IsQuasiNewton(const SolverParam &param) const {
         return param.IsQuasiNewton() && param.smoothness == smoothness && hessian && hessian->IsThere();
@@ -170,7 +170,7 @@ class GraphDeformer {
     /// Takes steps downwards until \p state is at rest, or there were \p most: quasi-Newton ones, or local and global
     /// ones where \p param asks for these, or there is no Hessian. Counts them in \p pose. Where \p param follows, it
     /// ends when quasi-Newton steps have not become shorter for a while: then the shape gives way.
-    void Minimise(const PoseTerms &given, const SolverParam &param, int most, State &state, GraphPose &pose,
+    void Minimise(const PoseTerms &poseTerms, const SolverParam &param, int most, State &state, GraphPose &pose,
                   const Progress &progress) const {
         // If each step is rho times the one before it, 1 / (1 - rho) times the step is left in all.
         const Eigen::Matrix3Xd rest = graph.graph.position.cast<double>();
@@ -185,7 +185,7 @@ class GraphDeformer {
         double near = still;                                       // error below which slow modes are looked for
         double shortest = std::numeric_limits<double>::infinity(); // of the steps
         int longer = 0;                                            // steps since then
-        state.energy = energy.Of(state, given);
+        state.energy = energy.Of(state, poseTerms);
         State stepped = state, mixed = state;
         const std::size_t size = 3 * unknown.position.size() + 4 * unknown.rotation.size();
         detail::Anderson anderson(size);
@@ -196,14 +196,14 @@ class GraphDeformer {
              ++pose.iterations) {
             if ((pose.iterations & 15) == 0)
                 progress(1 - detail::Exponential(-4.0 * pose.iterations / most), "Deforming the graph");
-            const bool isNoise = isQuasi && !hessian->Step(state, given, noise, stepped);
+            const bool isNoise = isQuasi && !hessian->Step(state, poseTerms, noise, stepped);
             if (!isQuasi)
-                Step(state, given, stepped, work);
+                Step(state, poseTerms, stepped, work);
             const double moved = LargestMove(state, stepped);
             if (!param.accelerated) {
                 pose.converged = moved <= 0.1 * still;
                 std::swap(state, stepped);
-                state.energy = energy.Of(state, given);
+                state.energy = energy.Of(state, poseTerms);
                 continue;
             }
             longer = moved < 0.9 * shortest ? 0 : longer + 1;
@@ -215,20 +215,20 @@ class GraphDeformer {
             const bool mayRest = moved <= (1 - anderson.Contraction()) * near;
             pose.converged = isNoise || (mayRest && !isSlow) || IsRounding(state, stepped, moved, rounding);
             Unpack(after, mixed);
-            mixed.energy = energy.Of(mixed, given);
+            mixed.energy = energy.Of(mixed, poseTerms);
             if (mixed.energy < state.energy) {
                 std::swap(state, mixed);
             } else {
-                stepped.energy = energy.Of(stepped, given);
+                stepped.energy = energy.Of(stepped, poseTerms);
                 if (isQuasi && !(stepped.energy < state.energy)) {
-                    Step(state, given, stepped, work);
-                    stepped.energy = energy.Of(stepped, given);
+                    Step(state, poseTerms, stepped, work);
+                    stepped.energy = energy.Of(stepped, poseTerms);
                 }
                 std::swap(state, stepped);
             }
             if (pose.converged || !mayRest)
                 continue;
-            pose.converged = NewtonOf(given, param).Descend(most, state, pose, progress);
+            pose.converged = NewtonOf(poseTerms, param).Descend(most, state, pose, progress);
             anderson = detail::Anderson(size);
             near = moved / 4;
         }
@@ -240,10 +240,10 @@ class GraphDeformer {
     };
 
     /// One local and one global step. The energy cannot rise.
-    void Step(const State &x, const PoseTerms &given, State &y, Work &work) const {
-        energy.FitRotations(x, given, y, work.s);
+    void Step(const State &x, const PoseTerms &poseTerms, State &y, Work &work) const {
+        energy.FitRotations(x, poseTerms, y, work.s);
         for (std::size_t u = 0; u < unknown.position.size(); ++u)
-            work.solved.col(laplacian.ColumnOf(u)) = energy.RightSide(u, y, given);
+            work.solved.col(laplacian.ColumnOf(u)) = energy.RightSide(u, y, poseTerms);
         laplacian.Solve(work.solved);
         for (std::size_t u = 0; u < unknown.position.size(); ++u)
             y.position.col(unknown.position[u]) = work.solved.col(laplacian.ColumnOf(u));

@@ -62,10 +62,10 @@ class GraphEnergy {
                 linear[i] = motion[i].linear();
                 for (std::uint32_t e = g.Begin(i); e < g.Begin(i + 1); ++e) {
                     const Index j = g.Neighbour(e);
-                    const Eigen::Vector3d way = g.graph.edge.col(e).cast<double>();
-                    from[e] = g.graph.IsHeld(i) ? Eigen::Vector3d(motion[i] * (rest(j) + way))
+                    const Eigen::Vector3d restEdge = g.graph.edge.col(e).cast<double>();
+                    from[e] = g.graph.IsHeld(i) ? Eigen::Vector3d(motion[i] * (rest(j) + restEdge))
                                                 : Eigen::Vector3d(x.position.col(i));
-                    to[e] = g.graph.IsHeld(j) ? Eigen::Vector3d(motion[j] * (rest(i) - way))
+                    to[e] = g.graph.IsHeld(j) ? Eigen::Vector3d(motion[j] * (rest(i) - restEdge))
                                               : Eigen::Vector3d(x.position.col(j));
                     if (g.unknown.numberOf[i] >= 0 && g.unknown.constrained[j])
                         right.row(g.unknown.numberOf[i]) += g.graph.weight[e] * to[e].transpose();
@@ -124,36 +124,36 @@ class GraphEnergy {
     }
 
     /// Eq. 2.
-    double Of(const State &x, const PoseTerms &given) const {
-        double energy = given.energy;
+    double Of(const State &x, const PoseTerms &poseTerms) const {
+        double energy = poseTerms.energy;
         for (std::size_t p = 0; p < openPairs; ++p)
-            energy += PairEnergy(pairs[p], x, given).sum();
+            energy += PairEnergy(pairs[p], x, poseTerms).sum();
         for (Index i : unknown.rotation)
-            energy += AnchorEnergy(i, x, given);
+            energy += AnchorEnergy(i, x, poseTerms);
         return energy;
     }
 
     /// Each node's share of the energy.
-    std::vector<double> Shares(const State &x, const PoseTerms &given) const {
+    std::vector<double> Shares(const State &x, const PoseTerms &poseTerms) const {
         std::vector<double> shares(graph.Size(), 0);
         for (const Pair &p : pairs) {
-            const Eigen::Vector2d share = PairEnergy(p, x, given);
+            const Eigen::Vector2d share = PairEnergy(p, x, poseTerms);
             shares[p.i] += share[0];
             shares[p.j] += share[1];
         }
         for (Index i : unknown.rotation)
-            shares[i] += AnchorEnergy(i, x, given);
+            shares[i] += AnchorEnergy(i, x, poseTerms);
         return shares;
     }
 
     /// The local step (Eq. 5): fits the rotations of \p y one after the other, at the positions of \p x.
     /// \param s k matrices to work with
-    void FitRotations(const State &x, const PoseTerms &given, State &y, std::vector<Eigen::Matrix3d> &s) const {
+    void FitRotations(const State &x, const PoseTerms &poseTerms, State &y, std::vector<Eigen::Matrix3d> &s) const {
         for (Eigen::Matrix3d &each : s)
             each.setZero();
         for (std::size_t n = 0; n < openPairs; ++n) {
             const Pair &p = pairs[n];
-            const Eigen::Matrix3d both = edge[p.e] * Way(p, x, given).transpose();
+            const Eigen::Matrix3d both = edge[p.e] * PosedEdge(p, x, poseTerms).transpose();
             s[p.i] += both;
             s[p.j] += both;
         }
@@ -162,9 +162,9 @@ class GraphEnergy {
             Eigen::Matrix3d neighbours = Eigen::Matrix3d::Zero();
             for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e)
                 neighbours += double(graph.weight[e]) * y.rotation[Neighbour(e)];
-            neighbours += given.stiffness[i] * given.anchor[i];
+            neighbours += poseTerms.stiffness[i] * poseTerms.anchor[i];
             const Eigen::Matrix3d sum =
-                s[i] + given.smooth * neighbours.transpose() + stay[i] * x.rotation[i].transpose();
+                s[i] + poseTerms.smooth * neighbours.transpose() + stay[i] * x.rotation[i].transpose();
             const Eigen::Vector4d q = FitQuaternion(sum, x.quaternion[i]);
             y.quaternion[i] = q.dot(x.quaternion[i]) < 0 ? Eigen::Vector4d(-q) : q;
             y.rotation[i] = ToMatrix(q);
@@ -172,31 +172,31 @@ class GraphEnergy {
     }
 
     /// The right side of the global step (Eq. 6) for unknown position number \p u, with the rotations of \p x.
-    Eigen::Vector3d RightSide(std::size_t u, const State &x, const PoseTerms &given) const {
+    Eigen::Vector3d RightSide(std::size_t u, const State &x, const PoseTerms &poseTerms) const {
         const Index i = unknown.position[u];
         Eigen::Vector3d b = x.rotation[i] * sumOfEdges[u];
         for (std::uint32_t e = Begin(i); e < Begin(i + 1); ++e)
-            b += Linear(x, given, Neighbour(e)) * edge[e];
-        return given.right.row(u).transpose() + 0.5 * b;
+            b += Linear(x, poseTerms, Neighbour(e)) * edge[e];
+        return poseTerms.right.row(u).transpose() + 0.5 * b;
     }
 
     /// The gradient, by a block of six for each node with an unknown, in the order of GraphUnknowns::rotation: its
     /// position (0 where that is given), and the rotation vector of its further turn (along the axis, as long as the
     /// angle).
-    Eigen::VectorXd Gradient(const State &x, const PoseTerms &given) const {
+    Eigen::VectorXd Gradient(const State &x, const PoseTerms &poseTerms) const {
         Eigen::VectorXd gradient = Eigen::VectorXd::Zero(6 * Eigen::Index(unknown.rotation.size()));
-        ForEachEdge(x, given,
-                    [&](Index i, Index j, double w, const Eigen::Vector3d &way, const Eigen::Vector3d(&turned)[2]) {
+        ForEachEdge(x, poseTerms,
+                    [&](Index i, Index j, double w, const Eigen::Vector3d &posed, const Eigen::Vector3d(&turned)[2]) {
                         const Index block[2] = {unknown.turnOf[i], unknown.turnOf[j]};
-                        const Eigen::Vector3d force = 2 * w * (2 * way - turned[0] - turned[1]);
+                        const Eigen::Vector3d force = 2 * w * (2 * posed - turned[0] - turned[1]);
                         for (int end = 0; end < 2; ++end) {
                             if (block[end] < 0)
                                 continue;
                             gradient.segment<3>(6 * Eigen::Index(block[end])) += (end == 0 ? 1 : -1) * force;
-                            gradient.segment<3>(6 * Eigen::Index(block[end]) + 3) -= 2 * w * turned[end].cross(way);
+                            gradient.segment<3>(6 * Eigen::Index(block[end]) + 3) -= 2 * w * turned[end].cross(posed);
                         }
                     });
-        ForEachTwist(x, given, [&](Index i, Index j, double w, const Eigen::Matrix3d &m) {
+        ForEachTwist(x, poseTerms, [&](Index i, Index j, double w, const Eigen::Matrix3d &m) {
             // - 2 w tr(m), m = R_j R_i^T; j < 0: of the anchor
             const Index block[2] = {unknown.turnOf[i], j < 0 ? -1 : unknown.turnOf[j]};
             const Eigen::Vector3d axial(m(1, 2) - m(2, 1), m(2, 0) - m(0, 2), m(0, 1) - m(1, 0));
@@ -215,26 +215,27 @@ class GraphEnergy {
     /// body(i, j, weight, p'_i - p'_j, {R_i e, R_j e}) for each edge that depends on the unknowns: it contributes the
     /// weight times the squares of what the former differs by from each of the latter.
     template <class Body>
-    void ForEachEdge(const State &x, const PoseTerms &given, const Body &body) const {
+    void ForEachEdge(const State &x, const PoseTerms &poseTerms, const Body &body) const {
         for (std::size_t p = 0; p < openPairs; ++p) {
             const Pair &pair = pairs[p];
             const Eigen::Vector3d rest = graph.edge.col(pair.e).cast<double>();
-            const Eigen::Vector3d turned[2] = {Linear(x, given, pair.i) * rest, Linear(x, given, pair.j) * rest};
-            body(pair.i, pair.j, double(graph.weight[pair.e]), Way(pair, x, given), turned);
+            const Eigen::Vector3d turned[2] = {Linear(x, poseTerms, pair.i) * rest,
+                                               Linear(x, poseTerms, pair.j) * rest};
+            body(pair.i, pair.j, double(graph.weight[pair.e]), PosedEdge(pair, x, poseTerms), turned);
         }
     }
 
     /// Calls body(i, j, w, R_j R_i^T) for each pair of rotations with at least one unknown. Its energy is
     /// w |R_i - R_j|^2. j is -1 for the anchor of i.
     template <class Body>
-    void ForEachTwist(const State &x, const PoseTerms &given, const Body &body) const {
+    void ForEachTwist(const State &x, const PoseTerms &poseTerms, const Body &body) const {
         for (std::size_t p = 0; p < openPairs; ++p)
-            body(pairs[p].i, pairs[p].j, graph.weight[pairs[p].e] * given.smooth,
+            body(pairs[p].i, pairs[p].j, graph.weight[pairs[p].e] * poseTerms.smooth,
                  Eigen::Matrix3d(x.rotation[pairs[p].j] * x.rotation[pairs[p].i].transpose()));
         for (Index i : unknown.rotation)
-            if (given.stiffness[i] > 0)
-                body(i, Index(-1), given.stiffness[i] * given.smooth,
-                     Eigen::Matrix3d(given.anchor[i] * x.rotation[i].transpose()));
+            if (poseTerms.stiffness[i] > 0)
+                body(i, Index(-1), poseTerms.stiffness[i] * poseTerms.smooth,
+                     Eigen::Matrix3d(poseTerms.anchor[i] * x.rotation[i].transpose()));
     }
 
   private:
@@ -250,30 +251,30 @@ class GraphEnergy {
     Index Neighbour(std::uint32_t e) const { return graph.graph.adjacency.item[e]; }
 
     /// e' of a pair: from its end at j to its end at i.
-    Eigen::Vector3d Way(const Pair &p, const State &x, const PoseTerms &given) const {
-        return (unknown.constrained[p.i] ? given.from[p.e] : Eigen::Vector3d(x.position.col(p.i))) -
-               (unknown.constrained[p.j] ? given.to[p.e] : Eigen::Vector3d(x.position.col(p.j)));
+    Eigen::Vector3d PosedEdge(const Pair &p, const State &x, const PoseTerms &poseTerms) const {
+        return (unknown.constrained[p.i] ? poseTerms.from[p.e] : Eigen::Vector3d(x.position.col(p.i))) -
+               (unknown.constrained[p.j] ? poseTerms.to[p.e] : Eigen::Vector3d(x.position.col(p.j)));
     }
     /// The linear part that applies to the edges of node \p i.
-    const Eigen::Matrix3d &Linear(const State &x, const PoseTerms &given, Index i) const {
-        return unknown.IsRotationGiven(i) ? given.linear[i] : x.rotation[i];
+    const Eigen::Matrix3d &Linear(const State &x, const PoseTerms &poseTerms, Index i) const {
+        return unknown.IsRotationGiven(i) ? poseTerms.linear[i] : x.rotation[i];
     }
 
     /// The terms of Eq. 2 at both ends of an edge, the smoothness counted once (so that Eq. 5 is the minimum).
-    Eigen::Vector2d PairEnergy(const Pair &p, const State &x, const PoseTerms &given) const {
-        const Eigen::Vector3d rest = graph.edge.col(p.e).cast<double>(), way = Way(p, x, given);
+    Eigen::Vector2d PairEnergy(const Pair &p, const State &x, const PoseTerms &poseTerms) const {
+        const Eigen::Vector3d rest = graph.edge.col(p.e).cast<double>(), posed = PosedEdge(p, x, poseTerms);
         const double cosine = x.quaternion[p.i].dot(x.quaternion[p.j]); // |R_i - R_j|^2 = 8 (1 - cosine^2)
-        const double smooth = 4 * graph.weight[p.e] * given.smooth * std::max(0.0, 1 - cosine * cosine);
-        return {graph.weight[p.e] * (way - Linear(x, given, p.i) * rest).squaredNorm() + smooth,
-                graph.weight[p.e] * (way - Linear(x, given, p.j) * rest).squaredNorm() + smooth};
+        const double smooth = 4 * graph.weight[p.e] * poseTerms.smooth * std::max(0.0, 1 - cosine * cosine);
+        return {graph.weight[p.e] * (posed - Linear(x, poseTerms, p.i) * rest).squaredNorm() + smooth,
+                graph.weight[p.e] * (posed - Linear(x, poseTerms, p.j) * rest).squaredNorm() + smooth};
     }
 
     /// The term of a compliant node's anchor.
-    static double AnchorEnergy(Index i, const State &x, const PoseTerms &given) {
-        if (!(given.stiffness[i] > 0))
+    static double AnchorEnergy(Index i, const State &x, const PoseTerms &poseTerms) {
+        if (!(poseTerms.stiffness[i] > 0))
             return 0;
-        const double cosine = x.quaternion[i].dot(given.anchorQuaternion[i]);
-        return 8 * given.stiffness[i] * given.smooth * std::max(0.0, 1 - cosine * cosine);
+        const double cosine = x.quaternion[i].dot(poseTerms.anchorQuaternion[i]);
+        return 8 * poseTerms.stiffness[i] * poseTerms.smooth * std::max(0.0, 1 - cosine * cosine);
     }
 
     const DeformationGraph &graph;

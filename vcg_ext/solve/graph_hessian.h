@@ -21,12 +21,12 @@ class GraphHessian {
 
     explicit GraphHessian(const GraphUnknowns &unknown) : unknown(unknown) {}
 
-    void Assemble(const GraphEnergy &energy, const State &x, const GraphEnergy::PoseTerms &given) {
+    void Assemble(const GraphEnergy &energy, const State &x, const GraphEnergy::PoseTerms &poseTerms) {
         hessian.diagonal.assign(unknown.rotation.size(), Block::Zero());
         hessian.where.clear();
         hessian.beside.clear();
-        AddEdges(energy, x, given);
-        AddTwists(energy, x, given);
+        AddEdges(energy, x, poseTerms);
+        AddTwists(energy, x, poseTerms);
         for (std::size_t b = unknown.position.size(); b < unknown.rotation.size(); ++b) { // given positions
             hessian.diagonal[b].topRows<3>().setIdentity();
             hessian.diagonal[b].leftCols<3>().setIdentity();
@@ -54,7 +54,7 @@ class GraphHessian {
     Index Falling() const { return factor.Negative(); }
 
     Eigen::VectorXd Solve(const Eigen::VectorXd &right) const { return factor.Solve(right); }
-    Eigen::VectorXd Times(const Eigen::VectorXd &way) const { return hessian * way; }
+    Eigen::VectorXd Times(const Eigen::VectorXd &step) const { return hessian * step; }
 
     /// Moves \p x by \p step.
     void Move(State &x, const Eigen::VectorXd &step) const {
@@ -105,10 +105,11 @@ class GraphHessian {
         return most;
     }
 
-    void AddEdges(const GraphEnergy &energy, const State &x, const GraphEnergy::PoseTerms &given) {
+    void AddEdges(const GraphEnergy &energy, const State &x, const GraphEnergy::PoseTerms &poseTerms) {
         const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
         energy.ForEachEdge(
-            x, given, [&](Index i, Index j, double w, const Eigen::Vector3d &way, const Eigen::Vector3d(&turned)[2]) {
+            x, poseTerms,
+            [&](Index i, Index j, double w, const Eigen::Vector3d &posed, const Eigen::Vector3d(&turned)[2]) {
                 const Index block[2] = {unknown.turnOf[i], unknown.turnOf[j]};
                 for (int end = 0; end < 2; ++end) {
                     if (block[end] < 0)
@@ -118,7 +119,7 @@ class GraphHessian {
                     Block &own = hessian.diagonal[std::size_t(block[end])];
                     own.topLeftCorner<3, 3>() += 4 * w * one;
                     own.bottomRightCorner<3, 3>() +=
-                        w * (2 * way.dot(u) * one - way * u.transpose() - u * way.transpose());
+                        w * (2 * posed.dot(u) * one - posed * u.transpose() - u * posed.transpose());
                     const Eigen::Matrix3d mixed = sign * 2 * w * CrossMatrix(u);
                     own.topRightCorner<3, 3>() += mixed;
                     own.bottomLeftCorner<3, 3>() += mixed.transpose();
@@ -139,9 +140,9 @@ class GraphHessian {
     }
 
     /// \pre AddEdges was called: the pairs come in the same order
-    void AddTwists(const GraphEnergy &energy, const State &x, const GraphEnergy::PoseTerms &given) {
+    void AddTwists(const GraphEnergy &energy, const State &x, const GraphEnergy::PoseTerms &poseTerms) {
         std::size_t p = 0;
-        energy.ForEachTwist(x, given, [&](Index i, Index j, double w, const Eigen::Matrix3d &m) {
+        energy.ForEachTwist(x, poseTerms, [&](Index i, Index j, double w, const Eigen::Matrix3d &m) {
             const Index block[2] = {unknown.turnOf[i], j < 0 ? -1 : unknown.turnOf[j]};
             const Eigen::Matrix3d trace = m.trace() * Eigen::Matrix3d::Identity();
             for (const Index each : block)

@@ -127,12 +127,12 @@ class GraphLaplacian {
         return least;
     }
 
-    /// Interpolates values of the constrained nodes by the bi-Laplacian. \param given k rows, those of others 0
+    /// Interpolates values of the constrained nodes by the bi-Laplacian. \param values k rows, those of others 0
     /// \return n rows
-    Eigen::MatrixXd Interpolate(const Eigen::MatrixXd &given) const {
+    Eigen::MatrixXd Interpolate(const Eigen::MatrixXd &values) const {
         if (order.empty())
-            return Eigen::MatrixXd(0, given.cols());
-        return biharmonic.solve(-(biharmonicRows * (constrainedColumns * given)));
+            return Eigen::MatrixXd(0, values.cols());
+        return biharmonic.solve(-(biharmonicRows * (constrainedColumns * values)));
     }
 
     /// How far \p pressure (n values) moves a surface with the bi-Laplacian as its stiffness: smoothly, from 0 at what

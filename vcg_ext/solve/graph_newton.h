@@ -20,9 +20,9 @@ class GraphNewton {
     using State = GraphEnergy::State;
 
     /// \param edgeLength times a turn in radians counts as a move \param still frame units: shorter moves count as none
-    GraphNewton(const GraphEnergy &energy, const GraphUnknowns &unknown, const GraphEnergy::PoseTerms &given,
+    GraphNewton(const GraphEnergy &energy, const GraphUnknowns &unknown, const GraphEnergy::PoseTerms &poseTerms,
                 double edgeLength, double still)
-        : energy(energy), given(given), edgeLength(edgeLength), still(still), hessian(unknown) {
+        : energy(energy), poseTerms(poseTerms), edgeLength(edgeLength), still(still), hessian(unknown) {
         for (Index i : unknown.rotation)
             mass += energy.TurningMass(i);
     }
@@ -38,7 +38,7 @@ class GraphNewton {
             hessian.Limit(step);
             hessian.Move(state, step);
             if (moved <= still) {
-                state.energy = energy.Of(state, given);
+                state.energy = energy.Of(state, poseTerms);
                 pose.unstable = hessian.Falling() > 0;
                 return true;
             }
@@ -53,22 +53,22 @@ class GraphNewton {
             const double done = 1 - Exponential(-4.0 * pose.iterations / mostIterations);
             if (!Look(state, progress.Slice(done, done)))
                 return false;
-            Eigen::VectorXd way = step;
-            hessian.Limit(way);
-            if (std::max(hessian.LargestMove(way), hessian.LargestTurnOfGiven(way) * edgeLength) <= still)
+            Eigen::VectorXd limited = step;
+            hessian.Limit(limited);
+            if (std::max(hessian.LargestMove(limited), hessian.LargestTurnOfGiven(limited) * edgeLength) <= still)
                 return true;
             // Where the edges leave a turn open, a step may be as long as it likes, and is nothing but rounding.
-            const double most = way.cwiseAbs().maxCoeff();
-            if (-gradient.dot(way) <= 64 * std::numeric_limits<double>::epsilon() * mass * most)
+            const double most = limited.cwiseAbs().maxCoeff();
+            if (-gradient.dot(limited) <= 64 * std::numeric_limits<double>::epsilon() * mass * most)
                 return true;
             if (hessian.Falling() > 0)
                 return false;
             State moved;
             const int halvings = 6; // where the quadratic is good for less, the other steps go on
-            for (int half = 0;; ++half, way *= 0.5) {
+            for (int half = 0;; ++half, limited *= 0.5) {
                 moved = state;
-                hessian.Move(moved, way);
-                moved.energy = energy.Of(moved, given);
+                hessian.Move(moved, limited);
+                moved.energy = energy.Of(moved, poseTerms);
                 if (moved.energy < state.energy)
                     break;
                 if (half == halvings)
@@ -83,16 +83,16 @@ class GraphNewton {
     /// Sets step to Newton's step from \p state. \return whether there is one
     bool Look(const State &state, const Progress &progress) {
         progress(0, "Deforming the graph");
-        hessian.Assemble(energy, state, given);
+        hessian.Assemble(energy, state, poseTerms);
         if (!hessian.Factorise(progress, hessian.Worthwhile()))
             return false;
-        gradient = energy.Gradient(state, given);
+        gradient = energy.Gradient(state, poseTerms);
         step = -hessian.Solve(gradient);
         return step.allFinite();
     }
 
     const GraphEnergy &energy;
-    const GraphEnergy::PoseTerms &given;
+    const GraphEnergy::PoseTerms &poseTerms;
     const double edgeLength, still;
     GraphHessian hessian;
     Eigen::VectorXd gradient, step;

@@ -79,20 +79,20 @@ struct PartsDeformer::Part {
 };
 
 PartsDeformer::PartsDeformer(const DeformationGraph &graph, const std::vector<double> &area,
-                             const NodeConstraints &given, double heldDepth, const Progress &progress,
+                             const NodeConstraints &constraints, double heldDepth, const Progress &progress,
                              const SolverParam &solver)
     : rest(graph.graph.position.cast<double>()) {
     for (Index i = 0; i < graph.Size(); ++i)
         isHeld.push_back(graph.IsHeld(i));
-    for (std::vector<Index> &nodes : SeparateParts(graph, given.constrained)) {
+    for (std::vector<Index> &nodes : SeparateParts(graph, constraints.constrained)) {
         auto part = std::make_unique<Part>();
         std::vector<bool> constrained, compliant;
         std::vector<double> heldArea;
         double A = 0;
         for (Index i : nodes) {
-            constrained.push_back(given.constrained[i]);
-            compliant.push_back(given.compliant[i]);
-            heldArea.push_back(given.heldArea[i]);
+            constrained.push_back(constraints.constrained[i]);
+            compliant.push_back(constraints.compliant[i]);
+            heldArea.push_back(constraints.heldArea[i]);
             A += area[i];
         }
         part->graph = PartOf(graph, nodes);
@@ -110,19 +110,19 @@ PartsDeformer::PartsDeformer(const DeformationGraph &graph, const std::vector<do
 PartsDeformer::~PartsDeformer() = default;
 
 Eigen::VectorXd PartsDeformer::Spread(const Eigen::VectorXd &pressure) const {
-    Eigen::VectorXd way = Eigen::VectorXd::Zero(pressure.size());
+    Eigen::VectorXd displacement = Eigen::VectorXd::Zero(pressure.size());
     for (const auto &part : parts) {
         Eigen::VectorXd its(Eigen::Index(part->nodes.size()));
         for (std::size_t i = 0; i < part->nodes.size(); ++i)
             its[Eigen::Index(i)] = pressure[part->nodes[i]];
         its = part->deformer->Spread(its);
         for (std::size_t i = 0; i < part->nodes.size(); ++i)
-            way[part->nodes[i]] += its[Eigen::Index(i)]; // 0 of what several have
+            displacement[part->nodes[i]] += its[Eigen::Index(i)]; // 0 for nodes of several parts
     }
-    return way;
+    return displacement;
 }
 
-GraphPose PartsDeformer::Solve(const NodeConstraints &given, const SolverParam &param, const Progress &progress,
+GraphPose PartsDeformer::Solve(const NodeConstraints &constraints, const SolverParam &param, const Progress &progress,
                                const GraphPose *last, const std::vector<Eigen::Affine3d> &lastMotion) const {
     const Index k = Index(rest.cols());
     GraphPose pose;
@@ -131,16 +131,16 @@ GraphPose PartsDeformer::Solve(const NodeConstraints &given, const SolverParam &
     pose.nodeEnergy.assign(k, 0);
     pose.rests.assign(k, 0);
     for (Index i = 0; i < k; ++i)
-        if (given.constrained[i]) {
-            pose.position.col(i) = given.motion[i] * Eigen::Vector3d(pose.position.col(i));
-            pose.linear[i] = given.motion[i].linear();
+        if (constraints.constrained[i]) {
+            pose.position.col(i) = constraints.motion[i] * Eigen::Vector3d(pose.position.col(i));
+            pose.linear[i] = constraints.motion[i].linear();
         }
     std::vector<bool> solved(k, false); // a held node beside several parts gets the rotation of the first of them
     for (std::size_t p = 0; p < parts.size(); ++p) {
         const std::vector<Index> &nodes = parts[p]->nodes;
         const bool moves = std::any_of(nodes.begin(), nodes.end(), [&](Index i) {
-            return given.constrained[i] ? !given.motion[i].matrix().isIdentity(0)
-                                        : last && !last->rests.empty() && !last->rests[i];
+            return constraints.constrained[i] ? !constraints.motion[i].matrix().isIdentity(0)
+                                              : last && !last->rests.empty() && !last->rests[i];
         });
         pose.moves |= moves;
         if (!moves) {
@@ -152,7 +152,7 @@ GraphPose PartsDeformer::Solve(const NodeConstraints &given, const SolverParam &
         GraphPose before;
         before.position.resize(3, last ? Eigen::Index(nodes.size()) : 0);
         for (std::size_t i = 0; i < nodes.size(); ++i) {
-            motion.push_back(given.motion[nodes[i]]);
+            motion.push_back(constraints.motion[nodes[i]]);
             if (!last)
                 continue;
             motionBefore.push_back(lastMotion[nodes[i]]);

@@ -25,18 +25,18 @@ DeformationGraph PartOf(const DeformationGraph &graph, const std::vector<Index> 
 class PartsDeformer {
   public:
     /// \param area k values: of each node's patch, frame units^2; A of a part is their sum
-    /// \param given motions are not read \param solver its rigidity and smoothness are those of all poses
+    /// \param constraints motions are not read \param solver its rigidity and smoothness are those of all poses
     /// \throw Unsolvable when a system cannot be factorised, or takes too long \throw Cancelled
-    PartsDeformer(const DeformationGraph &graph, const std::vector<double> &area, const NodeConstraints &given,
+    PartsDeformer(const DeformationGraph &graph, const std::vector<double> &area, const NodeConstraints &constraints,
                   double heldDepth = ShapeConstants().heldDepth, const Progress &progress = {},
                   const SolverParam &solver = {});
     ~PartsDeformer();
     PartsDeformer(const PartsDeformer &) = delete;
     PartsDeformer &operator=(const PartsDeformer &) = delete;
 
-    /// Poses the graph. A part none of whose constraints moves stays at rest.
-    /// \param given as at construction, with the motions \param last, lastMotion as of GraphDeformer::Solve
-    GraphPose Solve(const NodeConstraints &given, const SolverParam &param, const Progress &progress = {},
+    /// Poses the graph. A part without a moving constraint stays at rest.
+    /// \param constraints as at construction, with the motions \param last, lastMotion as of GraphDeformer::Solve
+    GraphPose Solve(const NodeConstraints &constraints, const SolverParam &param, const Progress &progress = {},
                     const GraphPose *last = nullptr, const std::vector<Eigen::Affine3d> &lastMotion = {}) const;
 
     /// GraphDeformer::Spread of each part by itself. \pre rigidity 1

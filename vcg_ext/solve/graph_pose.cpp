@@ -6,16 +6,16 @@
 
 namespace vcg::fcd {
 
-void FitLinear(const DeformationGraph &graph, const std::vector<bool> &given, GraphPose &pose, double openness) {
+void FitLinear(const DeformationGraph &graph, const std::vector<bool> &isGiven, GraphPose &pose, double openness) {
     for (Index i = 0; i < graph.Size(); ++i) {
-        if (given[i])
+        if (isGiven[i])
             continue;
         Eigen::Matrix3d rest = Eigen::Matrix3d::Zero(), posed = Eigen::Matrix3d::Zero();
         for (std::uint32_t e = graph.graph.adjacency.begin[i]; e < graph.graph.adjacency.begin[i + 1]; ++e) {
             const Index j = graph.graph.adjacency.item[e];
-            const Eigen::Vector3d way = (graph.graph.position.col(i) - graph.graph.position.col(j)).cast<double>();
-            rest += graph.weight[e] * way * way.transpose();
-            posed += graph.weight[e] * (pose.position.col(i) - pose.position.col(j)) * way.transpose();
+            const Eigen::Vector3d edge = (graph.graph.position.col(i) - graph.graph.position.col(j)).cast<double>();
+            rest += graph.weight[e] * edge * edge.transpose();
+            posed += graph.weight[e] * (pose.position.col(i) - pose.position.col(j)) * edge.transpose();
         }
         const double weight = openness * rest.trace();
         rest.diagonal().array() += weight;
@@ -39,8 +39,8 @@ void MeasureEnergy(const DeformationGraph &graph, double smooth, GraphPose &pose
         for (std::uint32_t e = graph.graph.adjacency.begin[i]; e < graph.graph.adjacency.begin[i + 1]; ++e) {
             const Index j = graph.graph.adjacency.item[e];
             const Eigen::Vector3d edge = graph.edge.col(e).cast<double>(),
-                                  way = placeOf(i, rest(j) + edge) - placeOf(j, rest(i) - edge);
-            pose.nodeEnergy[i] += graph.weight[e] * ((way - pose.linear[i] * edge).squaredNorm() +
+                                  posedEdge = placeOf(i, rest(j) + edge) - placeOf(j, rest(i) - edge);
+            pose.nodeEnergy[i] += graph.weight[e] * ((posedEdge - pose.linear[i] * edge).squaredNorm() +
                                                      0.5 * smooth * (pose.linear[i] - pose.linear[j]).squaredNorm());
         }
         pose.energy += pose.nodeEnergy[i];

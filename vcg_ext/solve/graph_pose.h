@@ -29,9 +29,9 @@ struct GraphPose {
 /// Replaces the rotations of \p pose by the linear maps that fit the posed edges of the graph best (least squares), so
 /// that the surface stretches evenly, as the graph does. What the edges leave open, across the surface, remains that of
 /// the rotation.
-/// \param given k flags: nodes whose rotation is given; they are not changed
+/// \param isGiven k flags: nodes whose rotation is given; they are not changed
 /// \param openness as in ShapeConstants
-void FitLinear(const DeformationGraph &graph, const std::vector<bool> &given, GraphPose &pose,
+void FitLinear(const DeformationGraph &graph, const std::vector<bool> &isGiven, GraphPose &pose,
                double openness = ShapeConstants().openness);
 
 /// Sets energy and nodeEnergy of \p pose by Eq. 2, without the anchors of compliant nodes. \param smooth alpha A, frame

@@ -38,13 +38,13 @@ inline GraphEnergy::State InitialGuess(const DeformationGraph &graph, const Grap
     for (Index i = 0; i < k; ++i)
         if (unknown.constrained[i]) {
             state.position.col(i) = motion[i] * Eigen::Vector3d(rest.col(i));
-            const Eigen::Affine3d way = last ? motion[i] * lastMotion[i].inverse() : motion[i];
-            rotation[i] = last && unknown.compliant[i] ? Eigen::Matrix3d(RotationOf(way.linear()) * rotation[i])
+            const Eigen::Affine3d sinceLast = last ? motion[i] * lastMotion[i].inverse() : motion[i];
+            rotation[i] = last && unknown.compliant[i] ? Eigen::Matrix3d(RotationOf(sinceLast.linear()) * rotation[i])
                                                        : RotationOf(motion[i].linear());
             if (isFirst)
-                common = way.matrix().topRows<3>();
+                common = sinceLast.matrix().topRows<3>();
             isFirst = false;
-            const Matrix34d m = way.matrix().topRows<3>() - common;
+            const Matrix34d m = sinceLast.matrix().topRows<3>() - common;
             change.row(i) = Eigen::Map<const Eigen::Matrix<double, 1, 12>>(m.data());
         }
     const Eigen::MatrixXd guess = laplacian.Interpolate(change);

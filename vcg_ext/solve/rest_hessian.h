@@ -32,9 +32,9 @@ class RestHessian {
         const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
         const State rest{graph.graph.position.cast<double>(), std::vector<Eigen::Matrix3d>(k, one),
                          std::vector<Eigen::Vector4d>(k, ToQuaternion(one)), 0};
-        const GraphEnergy::PoseTerms given(energy, std::vector<Eigen::Affine3d>(k, Eigen::Affine3d::Identity()), rest,
-                                           smooth);
-        hessian.Assemble(energy, rest, given);
+        const GraphEnergy::PoseTerms poseTerms(energy, std::vector<Eigen::Affine3d>(k, Eigen::Affine3d::Identity()),
+                                               rest, smooth);
+        hessian.Assemble(energy, rest, poseTerms);
         hessian.HoldTurns(energy);
         isThere = !unknown.rotation.empty() && hessian.Factorise(progress, limit) && hessian.Falling() == 0;
         hessian.DropMatrix();
@@ -45,8 +45,8 @@ class RestHessian {
 
     /// Goes a step on from \p x. \param y out \param noise what a gradient is off by, by rounding
     /// \return whether the step is more than that
-    bool Step(const State &x, const GraphEnergy::PoseTerms &given, double noise, State &y) const {
-        const Eigen::VectorXd gradient = energy.Gradient(x, given);
+    bool Step(const State &x, const GraphEnergy::PoseTerms &poseTerms, double noise, State &y) const {
+        const Eigen::VectorXd gradient = energy.Gradient(x, poseTerms);
         Eigen::VectorXd step = gradient;
         Turn(x, true, step);
         step = -hessian.Solve(step);
