@@ -19,7 +19,7 @@ struct BendPoint {
     std::size_t slot = 0;
     double radius = 0; ///< reach if nothing is marked as fixed: how far from it the surface bends, world units
     bool isGrip =
-        false; ///< it holds what is turned with it: half of that, and the tip beyond; else hardly more than a place
+        false; ///< it can turn: holds its surroundings up to half the radius, and the tip beyond; else only a spot
 
     bool operator==(const BendPoint &other) const {
         return slot == other.slot && radius == other.radius && isGrip == other.isGrip;
@@ -67,9 +67,9 @@ const double gapOfRadius = 0.2;
 struct BendState {
     std::shared_ptr<const BendTags> marks; ///< null: nothing is marked
     std::map<int, BendPoint> points;       ///< by their tag
-    std::shared_ptr<const BendRims> rims;  ///< of what is marked; null: none has any
+    std::shared_ptr<const BendRims> rims;  ///< of the marks; null: 0 everywhere
     std::map<int, BendHandle> handles;     ///< by tag, if a user has set something
-    std::map<int, int> rank; ///< by tag, else 0: a handle frees nothing beside what handles of lower rank bend
+    std::map<int, int> rank;               ///< by tag, else 0: a gap keeps a handle from surface that lower ranks bend
     std::map<int, std::vector<vcg::fcd::MotionStep>> motion; ///< by tag; world units
     double pose = 100;                                       ///< percent of the motions
     std::shared_ptr<const vcg::fcd::PoseSequence> poses;     ///< poses with names; null: none
@@ -93,7 +93,7 @@ struct BendOptions {
     double pose = 100;                                  ///< as BendState::pose
     int initialPatches = vcg::fcd::GraphParam().initialPatches;
     vcg::fcd::MappingWeights weights = vcg::fcd::DeformerParam().weights;
-    int mirror = -1; ///< 0, 1, 2: mirrors what is done to one side of the middle of x, y or z; -1: no
+    int mirror = -1; ///< 0, 1, 2: changes on one side are mirrored at the middle of x, y or z; -1: no mirror
     BendAxes axes = BendAxes::World;
     bool stretch = false; ///< the layer's colours show its stretch
 

@@ -25,7 +25,7 @@ struct CompensateParam {
     double largestDistance = std::numeric_limits<double>::infinity(); ///< of matches, units of the vertices, > 0
 };
 
-/// How far the part was warped, and what is made of it. Lengths are in units of the vertices.
+/// How far the part was warped, and how it was changed. Lengths are in units of the vertices.
 struct CompensateReport {
     double before = 0, left = 0;       ///< rms distance of the scan from the nominal surface laid onto it, where it is
                                        ///< scanned: rigidly, and after the warp
