@@ -50,7 +50,7 @@ class BendPanel : public ToolPanel {
     void showOptions(const BendOptions &options);
     bool showsStretch() const { return stretch->isChecked(); }
     void setStretch(bool shown);
-    /// Enables the stretch: there is a surface.
+    /// Enables the box for stretch; a cloud has none.
     void allowStretch(bool allowed);
     bool graphLayers() const { return graphs->isChecked(); }
     bool hasOnionSkin() const { return onion->isChecked(); }
