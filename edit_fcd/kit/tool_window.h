@@ -7,7 +7,7 @@
 #include <layer_fcd/edit_host.h>
 
 #include <QDockWidget>
-#include <QStringList>
+#include <QString>
 
 /// \file
 /// What the tools have to do with the window that they are in.
@@ -25,10 +25,10 @@ void toCamera(GLArea &view, QMouseEvent *event);
 /// Shows a panel at the left of the window of a view, as long as the view's document is seen: its buttons act on that.
 void dockPanel(GLArea &view, QDockWidget &panel);
 
-/// Asks for a file to write. \param kinds as QFileDialog takes them \param endings that its name may have: another one
-/// gets the first of them, and where that file exists, whether to replace it is asked \return empty where it is
+/// Asks for a file to write. A name that has the ending of no kind gets the first one of the kind that was chosen.
+/// Where the file exists, asks whether to replace it. \param kinds as QFileDialog takes them \return empty where it is
 /// cancelled
-QString fileToSave(GLArea &view, const QString &title, const QString &kinds, const QStringList &endings);
+QString fileToSave(GLArea &view, const QString &title, const QString &kinds);
 
 /// Tells where things of a panel are, for tests that drive it by a script.
 void tracePlaces(QWidget &panel);

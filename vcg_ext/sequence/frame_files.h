@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
 namespace vcg::fcd {
@@ -37,16 +38,27 @@ struct PackedSurface {
     unsigned threads;                  ///< that write it, 0 = one a core
 };
 
-/// A point cache, `.pc2`: where the vertices of a mesh are, in single precision, frame by frame. As written by
-/// Autodesk's PointCache and read by Blender's modifier "Mesh Cache": 32 bytes ("POINTCACHE2", 0, the version 1, the
-/// number of vertices, the number of the first frame, frames a sample, samples), and three numbers a vertex a frame;
-/// all little-endian.
+/// A point cache: where the vertices of a mesh are, in single precision, frame by frame. Blender's modifier "Mesh
+/// Cache" reads both formats.
 class PointCacheFile {
   public:
-    /// \param frames how many follow \param first the number of the first one
-    PointCacheFile(WriteAt write, const PackedSurface &surface, std::size_t frames, double first);
+    enum Format {
+        /// `.pc2`, of Autodesk's PointCache: "POINTCACHE2", 0, then integers and numbers of 4 bytes (the version 1, the
+        /// number of vertices, the number of the first frame, frames a sample, samples), then three numbers a vertex a
+        /// frame; all little-endian.
+        Pc2,
+        /// `.mdd`, of LightWave: the numbers of frames and of vertices, the time of each frame in seconds, then three
+        /// numbers a vertex a frame; all of 4 bytes, and big-endian.
+        Mdd
+    };
+
+    /// \param time of each frame, seconds \param rate frames a second
+    /// \throw BadInput two frames (Mdd) are at the same time in single precision
+    PointCacheFile(WriteAt write, const PackedSurface &surface, const std::vector<double> &time, double rate,
+                   Format format);
 
     /// \param position 3 x vertex slots of the next frame
+    /// \throw BadInput it is beyond single precision
     void Add(const PositionsRef &position);
 
   private:
@@ -56,6 +68,10 @@ class PointCacheFile {
 };
 
 namespace detail {
+
+/// Times of frames in single precision. \param ending of the file that they are for
+/// \throw BadInput two of them are then the same
+std::vector<float> SingleTimes(const std::vector<double> &time, const std::string &ending);
 
 /// body(i) for i from 0 to \p count, one after the other. \throw Cancelled
 template <class Body>

@@ -37,7 +37,7 @@ struct SequenceOutput {
     std::vector<Companion> companions; ///< in glTF
     WriteAt gltf;                      ///< gets a .glb file in the world, or is empty
     Shapes shapes = EachFrame;
-    WriteAt pointCache; ///< gets a .pc2 file in mesh units, or is empty
+    WriteAt pc2, mdd; ///< each gets a point cache in mesh units, or is empty
 
     /// A frame that is wanted: its pose, and the positions, 3 x vertex slots, mesh units.
     using Take = std::function<void(std::size_t number, const Deformer::Pose &pose, const Eigen::Matrix3Xd &position)>;

@@ -184,8 +184,9 @@ class BendSession {
         vcg::fcd::SurfaceLook look;
         std::vector<std::string> remarks; ///< on that
     };
-    /// \throw vcg::fcd::Error there is none, or not in that range
+    /// Without look and remarks. \throw vcg::fcd::Error there is none, or not in that range
     Animation animation(const AnimationExport &how);
+    void readLook(Animation &animation) const;
     /// Writes it as FCD: Pose Sequence does, beside the window too. \param files that get it: once they are saved
     /// \throw vcg::fcd::Error as blend(), prepare() and WriteFrames, or a file that cannot be written
     vcg::fcd::SequenceReport exportAnimation(const Animation &animation, const AnimationExport &how, FilesToSave &files,
