@@ -25,7 +25,7 @@ class Contact:
     """Of such triangles."""
     largest_depth: float
     """How far the surface has come through itself at most, in units of the vertices; 0 without contact."""
-    depth: NDArray[np.float32]
+    depth: NDArray[np.float64]
     """n: how far each vertex has come through, which is 0 of most. Where the triangles in contact cut something off, that is its distance
     from the surface that it came through; of other corners of these triangles, how far the two reach through each other."""
 

@@ -25,7 +25,7 @@ struct SurfaceContact {
     /// Where the faces that pass through others cut something off (of each connected part, all but the largest piece),
     /// this is the distance of its vertices from the surface that they came through; of other corners of those faces,
     /// how far the two reach through each other.
-    std::vector<float> depth;
+    std::vector<double> depth;
 
     std::string Text() const; ///< all of that in a sentence, empty where there is no contact
 };
