@@ -426,10 +426,8 @@ TEST(Fit, SaysWhatCannotBe) {
             Fit(loose, target, Small(), {}, {{source.position.size(), {0, 0, 0}}});
         },
         "Landmark 1 is at a vertex of a loose part, which only goes along with the surface. Leave it out.");
-    for (const auto &[scale, size] : {std::pair(1e77, "times larger"),
-                                      {1e150, "times larger"},
-                                      {1e-10, "times smaller"},
-                                      {1e-200, "times smaller"}}) {
+    for (const auto &[scale, size] : {std::pair(1e77, "times larger"), std::pair(1e150, "times larger"),
+                                      std::pair(1e-10, "times smaller"), std::pair(1e-200, "times smaller")}) {
         Shape other = target;
         for (Vector3d &p : other.position)
             p *= scale;
