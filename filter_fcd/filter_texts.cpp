@@ -116,12 +116,13 @@ QString FilterFcd::filterInfo(int id) const {
                "is a mesh or a point cloud, in the same units, rigidly aligned with the nominal part. The next print "
                "is assumed to warp as this one did.<br>The result is a new layer with all that the layer carries.";
     case PoseSequence:
-        return QString("Makes an animation of the current layer, or a row of its poses. Each pose has a name and says "
-                       "how the handles move. <b>Key frames</b> say how much of each pose there is at which time. "
-                       "Poses are blended: the turns, moves and scalings of a handle add up.<br>The poses come from a "
-                       "table in a file, or are those that the layer keeps. The results are new layers, an animation "
-                       "(glTF with morph targets, colours and textures) or a point cache (PC2). The current layer is "
-                       "not changed. Animate, keyframes, blend shapes, shape keys, ARAP.") +
+        return QString(
+                   "Makes an animation of the current layer, or a row of its poses. Each pose has a name and says "
+                   "how the handles move. <b>Key frames</b> say how much of each pose there is at which time. "
+                   "Poses are blended: the turns, moves and scalings of a handle add up.<br>The poses come from a "
+                   "table in a file, or are those that the layer keeps. The results are new layers, an animation "
+                   "(glTF with morph targets, colours and textures) or a point cache (PC2, MDD). The current layer is "
+                   "not changed. Animate, keyframes, blend shapes, shape keys, ARAP.") +
                reference;
     case PoseInPlace:
         return QString("Bends the current layer itself, as 'FCD: Deform Mesh' bends a copy of it. Tick <i>Preview</i>, "

@@ -29,10 +29,14 @@ void ask(Fields &fields, SequenceParam &param) {
             "all_visible", param.allVisible, Shown::Always, "All visible layers",
             "The .glb file also has the other visible layers, except those of edges alone, such as graphs. They go "
             "along with the current one, as 'FCD: Apply Deformation to Layer' carries them: eyes in a head, say.");
-    fields.saveFile("pc2_file", param.cacheFile, Shown::Always, "*.pc2", "Write point cache to (.pc2)",
+    fields.saveFile("pc2_file", param.pc2File, Shown::Always, "*.pc2", "Write point cache to (.pc2)",
                     "Positions of all vertices in each frame, in the layer's own coordinates and in single precision, "
                     "for the mesh as the layer is saved (Blender's modifier 'Mesh Cache'). An existing file is "
                     "replaced. <b>Empty</b> (the default): none is written.");
+    if (host::scriptsMayLackParameters)
+        fields.saveFile("mdd_file", param.mddFile, Shown::Always, "*.mdd", "Write point cache to (.mdd)",
+                        "The same in the format of LightWave, which other programs read as well. It has the time of "
+                        "each frame. An existing file is replaced. <b>Empty</b> (the default): none is written.");
     fields.saveFile(
         "save_poses_file", param.saveFile, Shown::Always, "*.csv", "Write poses to (.csv)",
         "Writes poses and key frames as such a table, with a row that describes the surface: for another surface, the "

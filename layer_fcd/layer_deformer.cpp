@@ -165,7 +165,7 @@ DeformedLayers LayerDeformer::deform(DeformMeshParam param, bool replaceEarlier,
     made.replaced = int(earlier.size());
     NewLayers layers(document, layer, remark, earlier);
     static const std::vector<float> none;
-    std::vector<float> depth = std::move(result.contact.depth);
+    std::vector<float> depth(result.contact.depth.begin(), result.contact.depth.end());
     if (depth.empty()) // there is no contact
         depth.assign(std::size_t(result.position.cols()), 0);
     made.layers = layers.addResult("deformed", result,

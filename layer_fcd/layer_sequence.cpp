@@ -192,8 +192,10 @@ SequenceLayers makeSequence(MeshDocument &document, MeshModel &layer, PreparedLa
             output.companions = companionsOf(document, layer, view.Positions(), remark, progress.Slice(0.3, 0.4));
         made.companions = int(output.companions.size());
     }
-    if (!param.cacheFile.isEmpty())
-        output.pointCache = files.add(param.cacheFile);
+    if (!param.pc2File.isEmpty())
+        output.pc2 = files.add(param.pc2File);
+    if (!param.mddFile.isEmpty())
+        output.mdd = files.add(param.mddFile);
     NewLayers layers(document, layer, remark);
     const bool turns = hasDirections(layer);
     const auto addLayer = [&](const QString &what) {
@@ -210,7 +212,7 @@ SequenceLayers makeSequence(MeshDocument &document, MeshModel &layer, PreparedLa
         output.keyFrame = addLayer("key frame %1");
     else if (param.layers == SequenceParam::Frames)
         output.frame = addLayer("frame %1");
-    if (output.gltf || output.pointCache || output.frame || output.keyFrame)
+    if (output.gltf || output.pc2 || output.mdd || output.frame || output.keyFrame)
         made.report = vcg::fcd::WriteFrames(view, handles, deformer, sequence, motions, param.deformation, output,
                                             progress.Slice(output.companions.empty() ? 0.3 : 0.4, 1));
     atRest.reset();

@@ -28,14 +28,15 @@ void HandleParam::validate() const {
 void SequenceParam::validate() const {
     if (!(rate > 0) || std::isinf(rate))
         throw Error("frames_per_second must be a positive number.");
-    if (layers == None && gltfFile.isEmpty() && cacheFile.isEmpty() && saveFile.isEmpty())
-        throw Error("There is nothing to make: choose 'frame_layers', or give a gltf_file, a pc2_file or a "
-                    "save_poses_file.");
-    const QStringList files = {saveFile, gltfFile, cacheFile};
+    if (layers == None && gltfFile.isEmpty() && pc2File.isEmpty() && mddFile.isEmpty() && saveFile.isEmpty())
+        throw Error("There is nothing to make: choose 'frame_layers', or give a gltf_file, a pc2_file, an "
+                    "mdd_file or a save_poses_file.");
+    const QStringList files = {saveFile, gltfFile, pc2File, mddFile};
     for (int i = 0; i < files.size(); ++i)
         for (int j = 0; j < i; ++j)
             if (!files[i].isEmpty() && !files[j].isEmpty() && isSameFile(files[i], files[j]))
-                throw Error("Two of save_poses_file, gltf_file and pc2_file are the same file. Give different files.");
+                throw Error("Two of save_poses_file, gltf_file, pc2_file and mdd_file are the same file. Give "
+                            "different files.");
 }
 
 void SaveDeformationParam::validate() const {

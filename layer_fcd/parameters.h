@@ -166,8 +166,8 @@ struct SequenceParam {
     QString gltfFile;          ///< .glb, may be empty
     bool allVisible = false;   ///< the .glb file also has all other visible layers, carried along
     vcg::fcd::SequenceOutput::Shapes shapes = vcg::fcd::SequenceOutput::EachFrame;
-    QString cacheFile; ///< .pc2, may be empty
-    QString saveFile;  ///< .csv, may be empty
+    QString pc2File, mddFile; ///< point caches, may be empty
+    QString saveFile;         ///< .csv, may be empty
     vcg::fcd::DeformationParam deformation;
 
     /// \throw vcg::fcd::Error

@@ -165,7 +165,7 @@ NB_MODULE(_core, module) {
         .def("weights_at", &Sequence::weightsAt, arg("time"))
         .def("times", &Sequence::times, arg("rate"))
         .def("write", &Sequence::write, arg("prepared"), arg("rate"), arg("gltf").none(), arg("shapes"),
-             arg("point_cache").none(), arg("look"), arg("others"), arg("report").none());
+             arg("pc2").none(), arg("mdd").none(), arg("look"), arg("others"), arg("report").none());
     nb::class_<Sequencer>(module, "Sequencer")
         .def(nb::init<std::shared_ptr<Prepared>, const Sequence &>(), arg("prepared"), arg("sequence"))
         .def("go", &Sequencer::go, arg("weights"), arg("report").none());

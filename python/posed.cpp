@@ -186,7 +186,7 @@ nb::tuple Posed::contact(const Rows &vertices, const nb::object &report) const {
     nb::object faces = newArray({found.face.size()}, face), depths = nb::none();
     std::copy(found.face.begin(), found.face.end(), face);
     if (!found.depth.empty()) {
-        float *depth;
+        double *depth;
         depths = newArray({found.depth.size()}, depth);
         std::copy(found.depth.begin(), found.depth.end(), depth);
     }

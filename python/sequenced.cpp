@@ -131,8 +131,8 @@ std::vector<std::map<int, Motion>> Sequence::motionsOf(const Prepared &prepared)
 }
 
 nb::dict Sequence::write(const std::shared_ptr<Prepared> &prepared, double rate, const nb::object &gltf, int shapes,
-                         const nb::object &pointCache, const Look &look, const std::vector<Other> &others,
-                         const nb::object &report) const {
+                         const nb::object &pc2, const nb::object &mdd, const Look &look,
+                         const std::vector<Other> &others, const nb::object &report) const {
     const std::vector<std::map<int, Motion>> motions = motionsOf(*prepared);
     vcg::fcd::SequenceOutput output;
     output.rate = rate;
@@ -140,7 +140,8 @@ nb::dict Sequence::write(const std::shared_ptr<Prepared> &prepared, double rate,
     output.look = lookOf(look, prepared->view);
     output.shapes = vcg::fcd::SequenceOutput::Shapes(shapes);
     output.gltf = writerOf(gltf);
-    output.pointCache = writerOf(pointCache);
+    output.pc2 = writerOf(pc2);
+    output.mdd = writerOf(mdd);
     for (const Other &each : others)
         output.companions.push_back(companionOf(each, *prepared));
     vcg::fcd::SequenceReport made;

@@ -41,9 +41,9 @@ class Sequence {
                    std::vector<std::pair<std::string, nb::bytes>>>;
     using Other = std::tuple<Rows, std::optional<Corners>, Look>; ///< a companion
 
-    /// Writes frames. \param gltf, pointCache called with an offset and bytes; or None
+    /// Writes frames. \param gltf, pc2, mdd called with an offset and bytes; or None
     nb::dict write(const std::shared_ptr<Prepared> &prepared, double rate, const nb::object &gltf, int shapes,
-                   const nb::object &pointCache, const Look &look, const std::vector<Other> &others,
+                   const nb::object &pc2, const nb::object &mdd, const Look &look, const std::vector<Other> &others,
                    const nb::object &report) const;
 
   private:

@@ -6,6 +6,7 @@ import ctypes
 import errno
 import os
 import re
+import struct
 import time
 
 import numpy as np
@@ -1676,7 +1677,7 @@ def test_an_animation_is_exported(window, tmp_path):
         w.shot("asked")
         w.click(w.place("choose"))
 
-    def write(name, **fields):
+    def write(name, kind="", **fields):
         written = w.text().count("Bend: Wrote ")
         w.click(w.place("export"))
         w.wait_for_title("Export animation")
@@ -1684,6 +1685,8 @@ def test_an_animation_is_exported(window, tmp_path):
         w.do("sleep", 0.5) # the next dialog has the same title
         w.wait_for_title("Export animation")
         w.do("type", "--delay", 5, str(tmp_path / name))
+        if kind:
+            w.key("alt+t", *kind.split())
         w.key("Return")
         w.wait("Bend: Wrote ", written + 1)
         w.wait_for_title("MeshLab")
@@ -1694,6 +1697,11 @@ def test_an_animation_is_exported(window, tmp_path):
     assert frames == "5" and line.endswith(
         f"ms.apply_filter('generate_fcd_pose_sequence', handles=2, tag_attribute='fcd_applied', frame_layers=0, frames_per_second=4, "
         f"pc2_file='{tmp_path}/all.pc2')")
+    assert write("all of", kind="Down Down", rate="4")[0] == "5" # the ending is of the kind that was chosen
+    content, cache = (tmp_path / "all of.mdd").read_bytes(), (tmp_path / "all.pc2").read_bytes()
+    assert struct.unpack_from(">2i5f", content) == (5, len(points), 0, 0.25, 0.5, 0.75, 1)
+    assert np.array_equal(np.frombuffer(content, ">f4", offset=28), np.frombuffer(cache, "<f4", offset=32))
+    assert f"mdd_file='{tmp_path}/all of.mdd')" in w.text()
     rest = write_ply(tmp_path / "tube.ply", points, faces, tags, colors)
     for folder in ("filter", "server"):
         (tmp_path / folder).mkdir(exist_ok=True)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Pose sequences of a layer, inside pymeshlab. FCD_PLUGIN names the libfilter_fcd.so of this pymeshlab."""
 import io
+import struct
 import sys
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from glb import Glb, png  # noqa: E402
 
 SEQUENCE = "generate_fcd_pose_sequence"
 DEFAULTS = {
-    "poses_file": "", "frames_per_second": 24, "frame_layers": 1, "gltf_file": "", "gltf_shapes": 0, "all_visible": False, "pc2_file": "", "save_poses_file": "",
+    "poses_file": "", "frames_per_second": 24, "frame_layers": 1, "gltf_file": "", "gltf_shapes": 0, "all_visible": False, "pc2_file": "", "mdd_file": "", "save_poses_file": "",
     "initial_patches": 0, "smoothness": 0.0058, "falloff": 0, "elastic": False, "rigidity": 1, "random_seed": 1, "handles": 0, "tag_attribute": "fcd_tag", "tag_file": ""}
 RETURNS = {
     "fixed_vertices": int, "handle_vertices": int, "free_vertices": int, "outside_vertices": int, "poses": int, "key_frames": int,
@@ -57,6 +58,14 @@ def cached(path):
     start, rate = np.frombuffer(content, "<f4", 2, 20)
     assert (version, rate) == (1, 1)
     return start, np.frombuffer(content, "<f4", offset=32).reshape(frames, points, 3)
+
+
+def mdd(path):
+    """(times, frames x points x 3) of a point cache of LightWave."""
+    content = path.read_bytes()
+    frames, points = struct.unpack_from(">2i", content)
+    times = struct.unpack_from(f">{frames}f", content, 8)
+    return times, np.frombuffer(content, ">f4", offset=8 + 4 * frames).reshape(frames, points, 3)
 
 
 class Gltf:
@@ -151,7 +160,7 @@ def test_frames_are_layers_and_a_point_cache(tmp_path):
     ms = layers()
     ms.apply_filter("meshing_remove_selected_vertices")  # none; the slots stay
     result = ms.apply_filter(SEQUENCE, poses_file=table(tmp_path, HEAD + KEYS.replace("0,smooth", "0.25,smooth", 1)), frame_layers=2,
-                             frames_per_second=8, pc2_file=str(tmp_path / "a.pc2"))
+                             frames_per_second=8, pc2_file=str(tmp_path / "a.pc2"), mdd_file=str(tmp_path / "a.mdd"))
     start, frames = cached(tmp_path / "a.pc2")
     assert (start, len(frames), result["frames"], result["layers"]) == (2, 7, 7, 7)
     assert ms.mesh(3).label() == "tube frame 2"
@@ -159,6 +168,8 @@ def test_frames_are_layers_and_a_point_cache(tmp_path):
         assert np.abs(ms.mesh(i + 1).vertex_matrix() - frame).max() < 1e-6 * DIAGONAL, i
     apart = np.linalg.norm(np.diff(frames, axis=0), axis=2).max(1)
     assert 0 < apart[0] < 3 and (apart < 4).all()  # smooth: no frame jumps
+    times, same = mdd(tmp_path / "a.mdd")
+    assert times == tuple(0.25 + i / 8 for i in range(7)) and (same == frames).all()
 
 
 def test_an_animation_as_another_program_reads_it(tmp_path):
@@ -429,6 +440,7 @@ ERRORS = {
     "nothing": ({"frame_layers": 0}, HEAD, "There is nothing to make: choose 'frame_layers'"),
     "rate": ({"frames_per_second": 0}, HEAD, "frames_per_second must be a positive number"),
     "same file": ({"gltf_file": "{}/a", "pc2_file": "{}/a"}, HEAD, "are the same file"),
+    "same caches": ({"pc2_file": "{}/a", "mdd_file": "{}/a"}, HEAD, "are the same file"),
     "unknown handle": ({}, "time,easing,odd\nmotions,,5: scale 2\n", "Pose 'odd': transforms moves handle 5, but no vertex has tag 5"),
     "motion": ({}, "time,easing,odd\nmotions,,2: jump 1\n", "Pose 'odd': transforms, character 4: expected"),
     "mirrors": ({}, "time,easing,odd\nmotions,,2: matrix -1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n", "Pose 'odd': transforms, handle 2: A transform mirrors"),

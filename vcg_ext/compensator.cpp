@@ -93,6 +93,9 @@ class ScanSurface {
 
 // A match does not count if it is farther than this times the distance within which 95 % of the matches lie.
 constexpr double farOff = 3;
+// A scan of otherUnits times the part's size has other units: the closest that people mix, centimetres and inches, are
+// 2.54 apart. A smaller scan may be of a piece; below smallPart it hardly is.
+constexpr double otherUnits = 2.2, smallPart = 0.2;
 // Printed, sintered and pressed parts shrink unevenly by a hundredth or two, and lift at their ends by a hundredth of
 // their length, which is a bending of 8 hundredths.
 constexpr double typicalStrain = 0.01, typicalBending = 0.1;
@@ -122,6 +125,7 @@ Compensation::Compensation(const SurfaceView &nominal, const SurfaceView &scan, 
     const FitTarget target(scan, scanNormal, toFrame, progress.Slice(0, 0.1), {}, {}, "scan");
     const double spacing = scan.isCloud ? std::sqrt(area / double(scan.vertexSlots)) : 0;
     report.spacing = spacing * scale;
+    report.larger = target.Box().diagonal().norm();
     report.thickness = scanNormal ? std::numeric_limits<double>::infinity() : 2 * std::abs(volume) / area * scale;
     ScanSurface surface(target, spacing);
     surface.FindSide(goal, progress.threads);
@@ -225,6 +229,9 @@ std::vector<std::string> CompensateReport::Warnings() const {
         line << "Only " << 100 * scanned
              << " percent of the nominal part have a counterpart on the scan: the rest is a guess. Scan more of it, or "
                 "align the two first.";
+        if (larger > otherUnits || larger < smallPart)
+            line << " The scan is " << std::max(larger, 1 / larger) << " times " << (larger > 1 ? "larger" : "smaller")
+                 << " than the nominal part: if it has other units, scale it first.";
         tell();
     }
     if (spacing > thickness / 2) {

@@ -180,8 +180,8 @@ SurfaceContact ContactOf(const SurfaceView &mesh, const Deformer &deformer, cons
     SurfaceContact contact = FindContact(mesh, position, deformer.frame.metric / unit,
                                          std::max(param.weldDistance, defaultWeldDistance), progress);
     contact.largest *= unit;
-    for (float &depth : contact.depth)
-        depth = float(double(depth) * unit);
+    for (double &depth : contact.depth)
+        depth *= unit;
     return contact;
 }
 

@@ -150,14 +150,15 @@ class Fitter {
     /// \param handles at least one free vertex; may have no handle
     /// \param weight of each vertex: 0 is carried and not matched, 1 counts fully; empty: 1 everywhere. Not read with
     /// FitParam::LandmarksAlone
-    /// \throw BadInput as PrepareDeformer; a parameter or a weight out of range, nothing free that counts
+    /// \throw BadInput as PrepareDeformer; a parameter or a weight out of range, nothing free that counts, or single
+    /// vertices alone
     /// \throw Cancelled
     Fitter(const SurfaceView &source, const NormalOf &normal, const Handles &handles, const FitParam &param,
            const Progress &progress = {}, const WeightOf &weight = {});
 
     /// Prepares the target, for Solve and Compare. Vertices that are not finite are left out.
-    /// \param goal is not needed afterwards \throw BadInput it has no vertices, or is a point or a line; a curve lies
-    /// elsewhere \throw Cancelled
+    /// \param goal is not needed afterwards \throw BadInput it has no vertices, is a point or a line, or 1e15 times
+    /// larger or 1e8 times smaller than the surface; a curve lies elsewhere \throw Cancelled
     std::shared_ptr<const FitTarget> Prepare(const FitGoal &goal, const Progress &progress = {}) const;
 
     /// Finds the vertices along polylines: those nearest to the corners and to points between them, at most a mean edge
@@ -172,9 +173,9 @@ class Fitter {
     CurveLead LeadAlong(const std::vector<CurvePair> &pairs, const std::string &surface,
                         const Progress &progress = {}) const;
 
-    /// Fits the surface, from rest. \throw BadInput landmarks that are no free vertices, or two at one position; a
-    /// curve with a vertex that is none or not free, or with fewer than two points \throw Unsolvable the fit's system
-    /// cannot be factorised \throw Cancelled
+    /// Fits the surface, from rest. \throw BadInput landmarks that are no free vertices of the surface (loose parts
+    /// only go along), or two at one position; a curve with such a vertex, or with fewer than two points \throw
+    /// Unsolvable the fit's system cannot be factorised \throw Cancelled
     Deformer::Pose Solve(const FitTarget &target, const std::vector<Landmark> &landmark, FitReport &report,
                          const Progress &progress = {}) const;
 

@@ -49,6 +49,10 @@ Fitter::Fitter(const SurfaceView &source, const NormalOf &normal, const Handles 
     if (std::count(handles.tag.begin(), handles.tag.end(), 1) == 0)
         throw BadInput("There is nothing to fit: no vertex is free. Mark the part that may bend with tag 1.");
     deformer = PrepareDeformer(source, handles, param, progress.Slice(0, 0.65));
+    const std::vector<Index> &tag = deformer->Whole().held.tag;
+    if (std::find(tag.begin(), tag.end(), 1) == tag.end())
+        throw BadInput("There is nothing to fit: what is free are single vertices. Give a surface, or points all over "
+                       "one.");
     if (!source.isCloud &&
         IsInParts(source, *deformer, progress.Slice(0.65, 0.7))) { // join parts that lie near, as points
         SurfaceView points = source;

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <limits>
 #include <map>
 #include <memory>
@@ -33,6 +34,31 @@ constexpr double otherUnits = 2.2, smallPart = 0.2, astray = 0.1;
 // nodes lead takes two or three times, two close ones that move apart take more. Or by `unseen` of the diagonal, which
 // makes no visible ripple.
 constexpr double mostGivingWay = 10, unseen = 0.01;
+// A target of these times the size of the surface: above, rounding of its coordinates is as large as the surface;
+// below, its own coordinates have fewer than eight digits in the units of the surface.
+constexpr double mostLarger = 1e15, mostSmaller = 1e-8;
+
+/// About how large most of a surface is: some vertices may be strays. By a thousand vertices; 0 where it has none.
+double SizeOfMost(const SurfaceView &surface) {
+    std::vector<Eigen::Vector3d> place;
+    for (std::size_t i = 0; i < surface.vertexSlots; i += 1 + surface.vertexSlots / 1000)
+        if (const Eigen::Vector3d p = surface.At(i); !surface.IsDeleted(i) && p.allFinite())
+            place.push_back(p);
+    if (place.empty())
+        return 0;
+    const auto median = [&](const auto &of) {
+        std::vector<double> number;
+        for (const Eigen::Vector3d &p : place)
+            number.push_back(of(p));
+        const auto middle = number.begin() + std::ptrdiff_t(number.size() / 2);
+        std::nth_element(number.begin(), middle, number.end());
+        return *middle;
+    };
+    const Eigen::Vector3d center(median([](const Eigen::Vector3d &p) { return p[0]; }),
+                                 median([](const Eigen::Vector3d &p) { return p[1]; }),
+                                 median([](const Eigen::Vector3d &p) { return p[2]; }));
+    return 2 * median([&](const Eigen::Vector3d &p) { return (p - center).cwiseAbs().maxCoeff(); });
+}
 
 } // namespace
 
@@ -44,6 +70,16 @@ Eigen::Affine3d Fitter::ToFrame(const Eigen::Affine3d &world) const {
 }
 
 std::shared_ptr<const FitTarget> Fitter::Prepare(const FitGoal &goal, const Progress &progress) const {
+    const auto size = [&](const SurfaceView &surface, const Eigen::Affine3d &world) {
+        return SizeOfMost(surface) * ToFrame(world).linear().cwiseAbs().maxCoeff();
+    };
+    const double own = size(source, handles.world), larger = own > 0 ? size(goal.surface, goal.world) / own : 1;
+    if (larger > mostLarger || (larger > 0 && larger < mostSmaller)) {
+        std::ostringstream text;
+        text << std::setprecision(1) << "The " << goal.name << " is about " << (larger > 1 ? larger : 1 / larger)
+             << " times " << (larger > 1 ? "larger" : "smaller") << " than the surface. Scale one of them first.";
+        throw BadInput(text.str());
+    }
     auto target = std::make_shared<FitTarget>(goal.surface, goal.normal, ToFrame(goal.world), progress, goal.isRead,
                                               goal.weight, goal.name);
     if (!(target->Spans().acrossLine > noShape))
@@ -86,7 +122,11 @@ std::vector<Eigen::Vector3d> Fitter::Lead(const std::vector<Landmark> &landmark,
         const Index node = deformer->nodeOf[each.vertex];
         place.push_back(region.surface.frame.ToFrame(handles.world.inverse() * each.target));
         if (node < 0 || region.held.tag[node] != 1)
-            throw BadInput("Landmark " + std::to_string(place.size()) + " is at a vertex that is not free.");
+            throw BadInput(
+                "Landmark " + std::to_string(place.size()) +
+                (handles.tag[each.vertex] == 1
+                     ? " is at a vertex of a loose part, which only goes along with the surface. Leave it out."
+                     : " is at a vertex that is not free."));
         if (!taken.insert(node).second)
             throw BadInput("Landmark " + std::to_string(place.size()) +
                            " is at the place of another one. Leave one of the two out.");

@@ -106,7 +106,7 @@ void LayerTool::enterLayer(MeshModel &newModel) {
 void LayerTool::chooseSession(bool load) {
     const QString kinds = "Sessions (*.fcd)";
     const QString file = load ? QFileDialog::getOpenFileName(view->window(), "Load session", QString(), kinds)
-                              : fileToSave(*view, "Save session", kinds, {".fcd"});
+                              : fileToSave(*view, "Save session", kinds);
     if (file.isEmpty() || !isReady())
         return;
     if (load) {

@@ -12,6 +12,8 @@
 #include <QMdiArea>
 #include <QMdiSubWindow>
 #include <QMessageBox>
+#include <QRegularExpression>
+#include <QStringList>
 #include <QTimer>
 
 Camera viewNow() {
@@ -64,15 +66,25 @@ void dockPanel(GLArea &view, QDockWidget &panel) {
                          [area, own, &panel] { panel.setVisible(area->currentSubWindow() == own); });
 }
 
-QString fileToSave(GLArea &view, const QString &title, const QString &kinds, const QStringList &endings) {
-    QString file;
+/// The endings in a text as "Tables (*.csv *.txt)".
+static QStringList endingsOf(const QString &kinds) {
+    static const QRegularExpression ending("\\*(\\.\\w+)");
+    QStringList endings;
+    for (auto each = ending.globalMatch(kinds); each.hasNext();)
+        endings << each.next().captured(1);
+    return endings;
+}
+
+QString fileToSave(GLArea &view, const QString &title, const QString &kinds) {
+    const QStringList endings = endingsOf(kinds);
+    QString file, kind;
     for (;;) { // until the name with its ending is confirmed
         file =
-            QFileDialog::getSaveFileName(view.window(), title, file, kinds, nullptr, QFileDialog::DontConfirmOverwrite);
+            QFileDialog::getSaveFileName(view.window(), title, file, kinds, &kind, QFileDialog::DontConfirmOverwrite);
         const bool isNamed = std::any_of(endings.begin(), endings.end(),
                                          [&](const QString &each) { return file.endsWith(each, Qt::CaseInsensitive); });
         if (!file.isEmpty() && !isNamed)
-            file += endings.first();
+            file += endingsOf(kind.isEmpty() ? kinds : kind).first();
         if (!QFileInfo::exists(file) ||
             QMessageBox::question(view.window(), title, file + " exists already. Replace it?",
                                   QMessageBox::Yes | QMessageBox::No, QMessageBox::No) == QMessageBox::Yes)

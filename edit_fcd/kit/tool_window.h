@@ -7,7 +7,7 @@
 #include <layer_fcd/edit_host.h>
 
 #include <QDockWidget>
-#include <QStringList>
+#include <QString>
 
 /// \file
 /// The tools' dealings with the host's window.
@@ -25,9 +25,9 @@ void toCamera(GLArea &view, QMouseEvent *event);
 /// Docks a panel at the left of a view's window. It is shown while the view's document is, on which its buttons act.
 void dockPanel(GLArea &view, QDockWidget &panel);
 
-/// Asks for a file to write, and whether to replace it if it exists. \param kinds as of QFileDialog \param endings
-/// allowed; a name with another one gets the first \return empty if it was cancelled
-QString fileToSave(GLArea &view, const QString &title, const QString &kinds, const QStringList &endings);
+/// Asks for a file to write, and whether to replace it if it exists. A name with the ending of no kind gets the first
+/// one of the chosen kind. \param kinds as of QFileDialog \return empty if it was cancelled
+QString fileToSave(GLArea &view, const QString &title, const QString &kinds);
 
 /// Traces the places of a panel's widgets, for tests that drive it by a script.
 void tracePlaces(QWidget &panel);

@@ -77,27 +77,41 @@ def _curves_of(given: str, scan: Path) -> Path:
     return Path(given) / f"{scan.stem}.csv" if Path(given).is_dir() else Path(given)
 
 
+def _deformation_of(out: Path) -> Path:
+    """The file with the deformation that led to a result: not beside it, where "*.ply" would take it for another one."""
+    return out.parent / "deformations" / out.name
+
+
+def _read(path: Path, given: argparse.Namespace) -> Ply:
+    """A mesh whose vertices will move. Raises ValueError if what is to be measured of it cannot be, before any work."""
+    ply = Ply(path)
+    if given.measure:
+        _measures.take(_measures.read(given.measure), ply.vertices, ply.faces)
+    return ply
+
+
 def _write(ply: Ply, pose: Pose, out: Path, names: Sequence[str], given: argparse.Namespace) -> Row:
     """Writes the posed file, and its deformation if asked for. Returns its figures and measurements."""
     measured: Row = dict(_measures.take(_measures.read(given.measure), pose.vertices, ply.faces)) if given.measure else {}
     normals = pose.normals if ply.normals is not None and (ply.faces is not None or pose.deformer._rest_normals is not None) else None
     ply.save(out, pose.vertices, normals)
     if given.deformations:
-        pose.deformation().save(out.with_suffix(".fcd"))
+        _deformation_of(out).parent.mkdir(exist_ok=True)
+        pose.deformation().save(_deformation_of(out))
     info = pose.info
     return {**{name: getattr(info, name) for name in names}, **{f"{_MEASURED}{name}": value for name, value in measured.items()}}
 
 
 def _fit(given: argparse.Namespace, scan: Path, out: Path, threads: int) -> Row:
-    template = Ply(given.template)
+    template = _read(given.template, given)
     target, faces, target_weights = _target(scan, given.target_weights)
     pairs = _marks(given.landmarks, scan, 6, "x, y, z on the template and x, y, z on the scan")
     landmarks = None if pairs is None else (pairs[:, :3], pairs[:, 3:])
     curves = read_curves(_curves_of(given.curves, scan)) if given.curves else None
     fitted = fit(template.vertices, template.faces, target, faces, landmarks=landmarks, curves=curves, normals=template.normals,
                  weights=template.column(given.weights) if given.weights else None, target_weights=target_weights, start=given.start,
-                 stiffness=given.stiffness, rigidity=given.rigidity, largest_distance=given.largest_distance, both_ways=given.both_ways,
-                 landmark_tolerance=given.landmark_tolerance, threads=threads)
+                 stiffness=given.stiffness, rigidity=given.rigidity, largest_distance=given.largest_distance, largest_angle=given.largest_angle,
+                 both_ways=given.both_ways, landmark_tolerance=given.landmark_tolerance, patches=given.patches, steps=given.steps, threads=threads)
     return _write(template, fitted, out, _FITTED, given)
 
 
@@ -125,12 +139,12 @@ def _moves(given: argparse.Namespace) -> dict[int, Motion]:
 
 
 def _deform(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
-    ply = Ply(path)
+    ply = _read(path, given)
     tags = ply.column(given.tags)
     if not (tags == np.round(tags)).all():
         raise ValueError(f"{given.tags} of the vertices of {path} must be tags, whole numbers")
     pose = _posed(ply.vertices, ply.faces, tags.astype(np.int64), _moves(given), None, given.percent, given.steps, None, None,
-                  {"normals": ply.normals, "smoothness": given.smoothness, "threads": threads})
+                  {"normals": ply.normals, "smoothness": given.smoothness, "max_iterations": given.max_iterations, "threads": threads})
     return _write(ply, pose, out, _POSED, given)
 
 
@@ -147,10 +161,10 @@ def _apply(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Ro
 
 
 def _straighten(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
-    ply = Ply(path)
+    ply = _read(path, given)
     line = _tables.numbers(Path(given.lines) / f"{path.stem}.csv", 3, "x, y, z")
-    made = straighten(ply.vertices, ply.faces, line, degrees=given.degrees, middle=given.middle, untwist=given.untwist, normals=ply.normals,
-                      threads=threads)
+    made = straighten(ply.vertices, ply.faces, line, degrees=given.degrees, middle=given.middle, smoothing=given.smoothing, untwist=given.untwist,
+                      normals=ply.normals, threads=threads)
     measured = made.line
     return {"length": measured.length, "new_length": measured.new_length, "twist": measured.twist, "released": measured.released,
             **_write(ply, made, out, _POSED, given)}
@@ -161,16 +175,19 @@ def _marks(folder: str | None, path: Path, columns: int, what: str) -> Points | 
 
 
 def _symmetrize(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
-    ply = Ply(path)
+    ply = _read(path, given)
     pairs = _marks(given.pairs, path, 6, "x, y, z on the left and x, y, z on the right")
     made = symmetrize(ply.vertices, ply.faces, pairs=None if pairs is None else pairs.reshape(-1, 2, 3), midline=_marks(given.midlines, path, 3, "x, y, z"),
-                      normals=ply.normals, stiffness=given.stiffness, landmark_tolerance=given.landmark_tolerance, threads=threads)
+                      normals=ply.normals, stiffness=given.stiffness, largest_distance=given.largest_distance, landmark_tolerance=given.landmark_tolerance,
+                      steps=given.steps, threads=threads)
     found = made.symmetry
     return {**{name: getattr(found, name) for name in _SYMMETRIC}, **_write(ply, made, out, ("folded", "contact", "contact_depth", "converged"), given)}
 
 
 def _info(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
-    if path.suffix.lower() == ".fcd":
+    with open(path, "rb") as file:
+        is_deformation = b"\ncomment FCD deformation, version " in file.read(1000)
+    if is_deformation:
         bend = Deformation.load(path)
         samples = bend.samples
         return {"samples": len(samples), "off_by": bend.largest_difference, "low": samples.min(0).tolist(), "high": samples.max(0).tolist()}
@@ -187,7 +204,7 @@ _JOBS: dict[str, Callable[[argparse.Namespace, Path, Path, int], Row]] = {
 def _results_of(given: argparse.Namespace, out: Path) -> list[Path]:
     if given.job == "info":
         return []
-    return [out, out.with_suffix(".fcd")] if getattr(given, "deformations", False) else [out]
+    return [out, _deformation_of(out)] if getattr(given, "deformations", False) else [out]
 
 
 def _job(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
@@ -287,18 +304,21 @@ def _parsers() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.ArgumentP
                                      "command is wrong.")
     jobs = parser.add_subparsers(dest="job", required=True, metavar="JOB")
 
+    texts = {"FILE": "a PLY file", "SCAN": "a PLY file, or, with trimesh, another one that it reads", "TEMPLATE": "a PLY file",
+             "DEFORMATION": "a file of --deformations, of Deformation.save, or of MeshLab's FCD: Save Deformation"}
+
     def job(name: str, text: str, files: str, *own: str) -> argparse.ArgumentParser:
         made = jobs.add_parser(name, help=text, description=text)
         for each in own:
-            made.add_argument(each.lower(), metavar=each)
-        made.add_argument("files", nargs="+", metavar=files)
+            made.add_argument(each.lower(), metavar=each, help=texts[each])
+        made.add_argument("files", nargs="+", metavar=files, help=texts[files])
         made.add_argument("--out", required=name != "info", metavar="FOLDER", help="where results and table (JOB.csv) go")
         made.add_argument("--processes", type=int, default=1, help="how many files are done at a time (default: 1, with all cores)")
         made.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster that does the files instead, a file a task; its workers see the "
                           "same folders")
         made.add_argument("--again", action="store_true", help="also do what is done")
         if name not in ("apply", "info"):
-            made.add_argument("--deformations", action="store_true", help="also save the deformation of each, NAME.fcd")
+            made.add_argument("--deformations", action="store_true", help="also save the deformation of each, deformations/NAME.ply")
             made.add_argument("--measure", metavar="FILE", help="lengths between vertices, taken of each result for the table: name, distance or "
                               "length or girth (along edges), numbers of vertices from 0")
         return made
@@ -307,33 +327,41 @@ def _parsers() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.ArgumentP
     made.add_argument("--landmarks", metavar="FOLDER", help="NAME.csv for each scan: x, y, z on the template, and x, y, z on the scan")
     made.add_argument("--curves", metavar="FOLDER_OR_FILE", help="of lines that slide along each other: NAME.csv for each scan, or one file for all, "
                       "with a first row curve, surface, x, y, z; the surface is source (the template) or target (the scan)")
-    made.add_argument("--start", default="as_they_lie", choices=["as_they_lie", "landmarks_rigid", "landmarks_similar", "axes"])
+    made.add_argument("--start", default="as_they_lie", choices=["as_they_lie", "landmarks_rigid", "landmarks_similar", "axes"],
+                      help="how the template is first moved onto the scan: not (default), by the landmarks, by these and a scale, or by middle and axes")
     made.add_argument("--weights", metavar="PROPERTY", help="of the template's vertices: how much each counts, from 0 (carried along) to 1")
     made.add_argument("--target-weights", metavar="PROPERTY", help="the same of each scan's vertices")
     made.add_argument("--stiffness", type=float, default=1.0, help="how much the template keeps its shape (default: 1)")
     made.add_argument("--rigidity", type=float, default=1.0, help="1: parts keep their size (default); 0: they may stretch evenly")
     made.add_argument("--largest-distance", type=float, default=0.0, help="what is farther from the scan is carried along (default: no limit)")
+    made.add_argument("--largest-angle", type=float, default=70.0, help="what faces the scan at more than this is carried along (default: 70 degrees)")
     made.add_argument("--both-ways", action="store_true", help="the scan also draws the template, for thin parts that come from far")
     made.add_argument("--landmark-tolerance", type=float, default=0.0, help="how far landmarks may be off (default: 0, exact)")
+    made.add_argument("--patches", type=int, default=150, help="at first: more for finer bends and close landmarks (default: 150)")
+    made.add_argument("--steps", type=int, default=50, help="at most: more where a fit does not converge (default: 50)")
     made.add_argument("--mean", nargs="?", const="rigid", choices=["rigid", "similar"], help="also the mean shape of all results, mean.ply: each "
                       "laid onto it by a rigid motion, or scaled, too")
     made = job("deform", "Moves the handles of each mesh.", "FILE")
     made.add_argument("--tags", default="quality", metavar="PROPERTY", help="of the vertices: 0 fixed, 1 free, 2 and up handles (default: quality)")
     made.add_argument("--move", nargs=2, action="append", default=[], metavar=("TAG", "MOTION"), help="as 2 'rotate 0 0 1 30 translate 0 0 5'")
-    made.add_argument("--percent", type=float, default=100.0)
-    made.add_argument("--steps", type=int, default=1)
-    made.add_argument("--smoothness", type=float, default=0.0058)
+    made.add_argument("--percent", type=float, default=100.0, help="how much of the motions (default: 100)")
+    made.add_argument("--steps", type=int, default=1, help="in how many steps: more for turns that squeeze (default: 1)")
+    made.add_argument("--smoothness", type=float, default=0.0058, help="how far bends spread, 0.001 loose to 0.1 stiff (default: 0.0058)")
+    made.add_argument("--max-iterations", type=int, default=1000, help="more where a deformation does not converge (default: 1000)")
     job("apply", "Carries each mesh or cloud by a saved deformation.", "FILE", "DEFORMATION")
     made = job("straighten", "Straightens each mesh along its line.", "FILE")
     made.add_argument("--lines", required=True, metavar="FOLDER", help="NAME.csv for each file: x, y, z of the points of its line")
-    made.add_argument("--degrees", type=float, default=0.0)
-    made.add_argument("--middle", action="store_true")
-    made.add_argument("--untwist", action="store_true")
+    made.add_argument("--degrees", type=float, default=0.0, help="of the arc that the line becomes (default: 0, straight)")
+    made.add_argument("--middle", action="store_true", help="take the line through the middles of the cross-sections along it")
+    made.add_argument("--smoothing", type=float, default=0.0, help="over how much of its length the line is smoothed (default: 0, not)")
+    made.add_argument("--untwist", action="store_true", help="also turn cross-sections back that are twisted about the line")
     made = job("symmetrize", "Restores the symmetry of each mesh.", "FILE")
     made.add_argument("--pairs", metavar="FOLDER", help="NAME.csv for each file: x, y, z of a place on the left, and x, y, z on the right")
     made.add_argument("--midlines", metavar="FOLDER", help="NAME.csv for each file: x, y, z of places on the plane of symmetry")
-    made.add_argument("--stiffness", type=float, default=1.0)
-    made.add_argument("--landmark-tolerance", type=float, default=0.0)
+    made.add_argument("--stiffness", type=float, default=1.0, help="how much the surface keeps its shape (default: 1)")
+    made.add_argument("--landmark-tolerance", type=float, default=0.0, help="how far pairs and midlines may be off (default: 0, exact)")
+    made.add_argument("--largest-distance", type=float, default=0.0, help="what is farther from the mirror image has no counterpart (default: no limit)")
+    made.add_argument("--steps", type=int, default=50, help="of the fit onto the mirror image: more where it does not come to rest (default: 50)")
     job("info", "Tells of each file, or saved deformation, how large it is and where.", "FILE")
     return parser, jobs.choices
 
@@ -361,6 +389,10 @@ def _looked_at(parser: argparse.ArgumentParser, given: argparse.Namespace, paths
             _measures.read(given.measure)
         if given.job == "deform":
             _moves(given)
+        for name in ("landmarks", "lines", "pairs", "midlines"):
+            folder = getattr(given, name, None)
+            if folder is not None and not Path(folder).is_dir():
+                raise ValueError(f"--{name} {shown(folder)} is no folder")
     except (OSError, ValueError) as error:
         parser.error(f"{error}")
     if given.job == "info":
@@ -370,8 +402,9 @@ def _looked_at(parser: argparse.ArgumentParser, given: argparse.Namespace, paths
     for path, out in outs.items():
         if names.setdefault(out.name.casefold(), path) != path:
             parser.error(f"{shown(names[out.name.casefold()])} and {shown(path)} would have one result, {shown(out)}: rename one of them")
-        if not read.isdisjoint(_files.marks(out)):
-            parser.error(f"{shown(out)} would be written over what is read: give another folder")
+        for each in _results_of(given, out):
+            if not read.isdisjoint(_files.marks(each)):
+                parser.error(f"{shown(each)} would be written over what is read: give another folder")
 
 
 def _table(parser: argparse.ArgumentParser, given: argparse.Namespace, outs: Mapping[Path, Path], keys: Mapping[Path, str]) -> Table | None:

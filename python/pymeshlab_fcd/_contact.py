@@ -25,7 +25,7 @@ class Contact:
     """Number of pairs of such triangles."""
     largest_depth: float
     """The largest of `depth`; 0 without contact."""
-    depth: NDArray[np.float32]
+    depth: NDArray[np.float64]
     """n: how far each vertex has come through the surface, in units of the vertices; 0 for most. Corners of the triangles in contact have the
     depth of their pair. These triangles also cut the surface into pieces. In each connected part, all pieces but the largest are inside: their
     vertices have the distance from the surface that they passed."""

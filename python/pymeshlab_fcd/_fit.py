@@ -307,8 +307,9 @@ class Fitter(Unchanging):
         TypeError
             An argument has the wrong type.
         ValueError
-            An argument has the wrong shape, or is out of range, the target is empty, a point or a line, nothing of the surface has a counterpart there,
-            landmarks or curves are not free, landmarks at one place, or the start does not go with them or with the tags.
+            An argument has the wrong shape, or is out of range, the target is empty, a point, a line, 1e15 times larger or 1e8
+            times smaller than the surface, nothing of the surface has a counterpart there, landmarks or curves are not free vertices of the
+            surface, landmarks at one place, or the start does not go with them or with the tags.
         KeyboardInterrupt
             Ctrl-C, at once; nothing is half done.
 

@@ -37,7 +37,7 @@ class Ply:
             content = file.read()
         ends = re.search(rb"\nend_header[ \t\r]*\n", content)
         if not content.startswith(b"ply") or ends is None:
-            raise ValueError(f"{self._name} is no PLY file")
+            raise ValueError(f"{self._name} is no PLY file: save it as one")
         begin = ends.end()
         self._head, self._elements, order = content[:begin].splitlines(keepends=True), list[_Element](), ""
         try:

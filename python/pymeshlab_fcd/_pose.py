@@ -165,7 +165,7 @@ class Pose(Unchanging):
         if self._contact is None:
             faces, pairs, largest, depth = self._core.contact(self.vertices, told)
             if depth is None:
-                depth = np.zeros(len(self.vertices), np.float32)
+                depth = np.zeros(len(self.vertices))
             for each in (faces, depth):
                 each.flags.writeable = False
             self._contact = Contact(faces, pairs, largest, depth)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import combinations
 from typing import BinaryIO, Literal, NamedTuple, Union
 
 import numpy as np
@@ -263,7 +264,7 @@ class PoseSequence:
         return pose
 
     def write(self, deformer: Deformer, *, gltf: str | os.PathLike[str] | None = None, pc2: str | os.PathLike[str] | None = None,
-              rate: float = 24.0, shapes: Literal["frames", "poses"] = "frames", colors: ArrayLike | None = None,
+              mdd: str | os.PathLike[str] | None = None, rate: float = 24.0, shapes: Literal["frames", "poses"] = "frames", colors: ArrayLike | None = None,
               look: Look | None = None, name: str = "surface", others: Sequence[Companion] = (), progress: Progress = None) -> AnimationInfo:
         """Writes the animation, with the same bits as the filter `generate_fcd_pose_sequence`; one frame at a time is in memory. Files
         that are there are replaced together, when all is written; otherwise each is as it was.
@@ -276,6 +277,8 @@ class PoseSequence:
             A `.glb` file: glTF 2.0 with morph targets (shape keys) and their animation.
         pc2 : path, optional
             A `.pc2` file, a point cache: the positions of all vertices in each frame, in single precision.
+        mdd : path, optional
+            A `.mdd` file, a point cache of LightWave: the same, with the time of each frame.
         rate : float, default 24.0
             How many frames a second.
         shapes : {'frames', 'poses'}, default 'frames'
@@ -295,8 +298,8 @@ class PoseSequence:
         Raises
         ------
         ValueError
-            Neither file is given, both are one file (also by a link, or by names that differ in case alone), a pose moves a handle that
-            the Deformer does not have, they are of another surface, a file would be larger than its format holds, or an array of a look or
+            No file is given, two are one file (also by a link, or by names that differ in case alone), a pose moves a handle that the
+            Deformer does not have, they are of another surface, a file would be larger than its format holds, or an array of a look or
             a companion has another shape or is out of range.
         OSError
             A texture cannot be read, or a file cannot be written; those that were there are still there.
@@ -308,17 +311,19 @@ class PoseSequence:
         DeformationWarning
             Flipped triangles, or a frame did not converge.
         """
-        kind = _inputs.choice("shapes", shapes, ("frames", "poses"))
+        each = _inputs.choice("shapes", shapes, ("frames", "poses"))
         if colors is not None and look is not None:
             raise ValueError("colors and look are both given; give look=Look(colors=...)")
         told = look_of(Look(colors=colors) if look is None else look, name, len(_expected(deformer).vertices), deformer.faces)
-        companions = [other_of(each) for each in others]
-        if gltf is not None and pc2 is not None and _files.same_file(gltf, pc2):
-            raise ValueError("gltf and pc2 are the same file; give different files, whose names differ by more than case")
-        with _files.written([path for path in (gltf, pc2) if path is not None]) as files:
-            writers = [_writer(file) for file in files]
-            made = self._core.write(deformer._prepared, _inputs.number("rate", rate), None if gltf is None else writers[0], kind,
-                                    None if pc2 is None else writers[-1], told, companions, report(progress))
+        companions = [other_of(other) for other in others]
+        paths = {kind: path for kind, path in (("gltf", gltf), ("pc2", pc2), ("mdd", mdd)) if path is not None}
+        for one, other in combinations(paths, 2):
+            if _files.same_file(paths[one], paths[other]):
+                raise ValueError(f"{one} and {other} are the same file; give different files, whose names differ by more than case")
+        with _files.written(list(paths.values())) as files:
+            to = {kind: _writer(file) for kind, file in zip(paths, files)}
+            made = self._core.write(deformer._prepared, _inputs.number("rate", rate), to.get("gltf"), each, to.get("pc2"), to.get("mdd"), told,
+                                    companions, report(progress))
             contact = made.pop("contact_text")
             info = AnimationInfo(**{**made, "contacts": tuple(FrameContact(*each) for each in made["contacts"])})
         warn(_words(info.folded, info.converged, "A frame") + ([(ContactWarning, contact)] if contact else []), 2)

@@ -62,6 +62,9 @@ class Straightened(Pose):
         super().__setstate__(state)
         self._line = state["line"]
 
+    def __repr__(self) -> str:
+        return f"<Straightened of {len(self.deformer.vertices)} vertices, along {self._line.length:g} to {self._line.new_length:g}>"
+
 
 def _direction(name: str, value: ArrayLike | None) -> Points:
     return np.zeros((1, 3)) if value is None else _inputs.finite(name, _inputs.rows(name, np.atleast_2d(plain(name, value)), 1, "one"))

@@ -120,6 +120,11 @@ class Symmetrized(Pose):
         self._symmetry, self._mirrored, self._matched = state["symmetry"], state["mirrored"], state["matched"]
         self._mirrored.flags.writeable = self._matched.flags.writeable = False
 
+    def __repr__(self) -> str:
+        found = self._symmetry
+        return (f"<Symmetrized of {len(self.deformer.vertices)} vertices, {found.before:g} from its mirror image, now {found.after:g}"
+                f"{'' if found.converged else ', not converged'}>")
+
 
 def _marks(deformer: Deformer, name: str, values: ArrayLike | None) -> tuple[NDArray[np.int64], Points]:
     """Landmarks: numbers of vertices, k, and places, k x 3."""

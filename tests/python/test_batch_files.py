@@ -2,7 +2,9 @@
 """python -m pymeshlab_fcd: whose a result is, what ends it, and files as others write them."""
 import argparse
 import csv
+import inspect
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -14,8 +16,9 @@ import pytest
 from shapes import bar
 from test_batch import scans, table, write_ply
 
-from pymeshlab_fcd import Deformer, Motion, _files, _tables, read_curves
-from pymeshlab_fcd._batch import main
+import pymeshlab_fcd as fcd
+from pymeshlab_fcd import Deformer, Motion, _files, _fit, _pose, _straighten, _symmetrize, _tables, read_curves
+from pymeshlab_fcd._batch import _parsers, main
 from pymeshlab_fcd._ply import Ply
 
 
@@ -52,8 +55,8 @@ def test_a_result_is_of_one_file_and_one_job(tmp_path, capsys, monkeypatch):
     (out / "x.ply").unlink()  # it is free
     assert main(["deform", str(tmp_path / "b" / "x.ply"), *lift]) == 0
     assert main([*command, "--deformations", "--out", str(tmp_path / "p")]) == 0
-    (tmp_path / "p" / "x.fcd").unlink()
-    assert main([*command, "--deformations", "--out", str(tmp_path / "p")]) == 0 and (tmp_path / "p" / "x.fcd").exists()
+    (tmp_path / "p" / "deformations" / "x.ply").unlink()
+    assert main([*command, "--deformations", "--out", str(tmp_path / "p")]) == 0 and (tmp_path / "p" / "deformations" / "x.ply").exists()
     (tmp_path / "p" / "symmetrize.csv").write_text("my,own\n1,2\n")
     assert "is no table of results" in refused(capsys, ["symmetrize", tmp_path / "b" / "x.ply", "--out", tmp_path / "p"])
 
@@ -100,6 +103,26 @@ def test_an_option_that_is_not_given_counts_for_nothing():
         more = argparse.Namespace(**{**vars(given), **later})
         keys.append(_batch._key(more, {**defaults, "newer": None}, _batch.Path("x.ply"), lambda path: "same"))
     assert keys[0] == keys[1] != keys[2]
+
+
+def test_each_option_is_told():
+    _, jobs = _parsers()
+    for job in jobs.values():
+        for action in job._actions:
+            assert action.help, (job.prog, action.dest)
+
+
+def test_what_a_warning_asks_for_can_be_given():
+    """Whatever a parameter is to be raised to: the command has it, too."""
+    found = set()
+    for job, (call, *modules) in {"fit": (fcd.fit, _fit), "straighten": (fcd.straighten, _straighten), "symmetrize": (fcd.symmetrize, _symmetrize),
+                                  "deform": (fcd.deform, _pose)}.items():
+        asked = {name for module in modules for name in re.findall(r"(?:or raise|raise|or) ([a-z_]+)", inspect.getsource(module))}
+        options = {action.dest for action in _parsers()[1][job]._actions}
+        for name in asked & {"largest_angle", "largest_distance", "max_iterations", "patches", "smoothing", "steps", "stiffness"}:
+            assert name in inspect.signature(call).parameters and name in options, (job, name)
+            found.add(name)
+    assert {"largest_angle", "max_iterations", "smoothing", "steps"} <= found
 
 
 def test_the_mean_is_of_what_was_fitted(tmp_path, capsys):
@@ -327,6 +350,9 @@ def test_motions_and_folders_that_cannot_be_are_refused_at_once(tmp_path, capsys
         assert message in refused(capsys, ["deform", tmp_path / "a.ply", "--move", *moves, "--out", tmp_path / "o"])
     assert not (tmp_path / "o").exists()
     (tmp_path / "o").write_text("")
+    for job, option in (("fit", "landmarks"), ("straighten", "lines"), ("symmetrize", "pairs"), ("symmetrize", "midlines")):
+        command = [job, tmp_path / "a.ply", tmp_path / "a.ply", f"--{option}", tmp_path / "o", "--out", tmp_path / "p"]
+        assert f"--{option} {tmp_path / 'o'} is no folder" in refused(capsys, command) and not (tmp_path / "p").exists()
     assert f"--out {tmp_path / 'o'} is no folder" in refused(capsys, ["deform", tmp_path / "a.ply", "--out", tmp_path / "o"])
     (tmp_path / "o").unlink()
     assert main(["deform", str(tmp_path / "a.ply"), "--move", "2", "translate 0 0 1 rotate 1 0 0 300", "--out", str(tmp_path / "o")]) == 0

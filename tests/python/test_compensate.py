@@ -220,6 +220,10 @@ def test_what_is_not_to_be_trusted_is_told(part):
     noise = np.random.default_rng(2).normal(0, 0.3, nominal.shape)
     with pytest.warns(CompensationWarning, match="The warp leaves"):
         compensate(nominal, faces, nominal + noise, faces)
+    found, triangles = scan()
+    middle = nominal.mean(0)
+    with pytest.warns(CompensationWarning, match="The scan is 10 times smaller than the nominal part: if it has other units, scale it first"):
+        compensate(nominal, faces, (found - middle) / 10 + middle, triangles)
     with pytest.warns(CompensationWarning, match="percent of the nominal part"):
         compensate(nominal, faces, *scan(kept=lambda at: (at[:, 0] < 30) & (at[:, 2] > 0.1)))
 

@@ -48,7 +48,7 @@ def test_a_finger_that_closes_into_its_palm_is_told(monkeypatch):
     assert inside.sum() > 100 and (contact.depth[inside] > 0.3).all()
     # The deepest comes out where it went in, nowhere else: no farther than the tube is wide.
     assert contact.triangles == len(contact.faces) > 100 and contact.pairs >= contact.triangles / 2
-    assert 5 < contact.largest_depth == contact.depth.max() < 16 and contact.depth.dtype == np.float32
+    assert 5 < contact.largest_depth == contact.depth.max() < 16 and contact.depth.dtype == np.float64
     assert (pose.info.contact, pose.info.contact_depth) == (contact.triangles, contact.largest_depth)
     assert str(contact).startswith(f"<Contact of {contact.triangles} triangles, up to ")
     with pytest.raises(ValueError, match="read-only"):
@@ -809,6 +809,26 @@ def test_meshes_and_clouds_of_any_size_bend_alike(size):
         np.testing.assert_allclose(bent(size, triangles), bent(1, triangles), rtol=0, atol=1e-9)
 
 
+@pytest.mark.parametrize("size", [2.0**-1000, 2.0**-600, 2.0**-300, 2.0**200, 2.0**320])
+@pytest.mark.parametrize("cloud", [False, True])
+def test_points_near_meshes_and_clouds_of_any_size_are_carried_alike(size, cloud):
+    """By the pose, and by its deformation, whose samples have single precision; up to 1e100, beyond which no point goes along."""
+    vertices, faces, tags, _ = bar()
+    points = np.random.default_rng(1).uniform([-1, -1, -1], [11, 2, 1], (400, 3))
+
+    def carried(by):
+        pose = Deformer(vertices * by, None if cloud else faces, tags).pose({2: Motion.rotate([0, 1, 0], 30)})
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            bend = pose.deformation()
+            back = pose.deformation(inverse=True)
+        moved, normals = pose.map(points * by, points)
+        return [moved / by, normals, bend(points * by) / by, back(points * by) / by, bend.largest_difference / by, pose.deformation(accuracy=0.01 * by)(points * by) / by]
+
+    for each, expected in zip(carried(size), carried(1)):
+        assert same(np.asarray(each), np.asarray(expected))
+
+
 @pytest.mark.parametrize("size", [2.0**-1000, 2.0**-300, 2.0**300, 2.0**600, 2.0**900])
 def test_what_is_told_of_a_pose_does_not_depend_on_the_unit(size):
     """Normals, folds, contact, errors, loose parts, regions that share patches, landmarks by their place."""
@@ -827,7 +847,7 @@ def test_what_is_told_of_a_pose_does_not_depend_on_the_unit(size):
             pose = deformer.pose({2: Motion.rotate([0, 1, 0], -160, about=about)}, steps=10, landmarks=deformer.vertices[deformer.points])
             pinched = deformer.pose({2: Motion.rotate([1, 0, 0], 900, about=about)})
             return {"vertices": pose.vertices / by, "normals": pose.normals, "stretch": pose.stretch(), "contact": pose.contact.faces,
-                    "depth": pose.info.contact_depth / by, "error": pose.discretisation_error(), "point": deformer.points,
+                    "depth": pose.contact.depth / by, "error": pose.discretisation_error(), "point": deformer.points,
                     "folded": pinched.info.folded, "patches": deformer.patch_of, "nodes": deformer.graph.nodes / by,
                     "percent": finger_of(by).percent_to_contact({2: Motion.rotate([0, 1, 0], -160, about=about)})}
 

@@ -3,6 +3,7 @@
 import errno
 import os
 import shutil
+import struct
 import warnings
 from pathlib import Path
 
@@ -76,11 +77,14 @@ def test_frames_and_files_are_the_same(tmp_path):
     assert same(frames[0][1].vertices, deformer.vertices)
     assert same(frames[0][1].vertices, next(made.frames(deformer))[1].vertices)
     told = []
-    info = made.write(deformer, gltf=tmp_path / "a.glb", pc2=tmp_path / "a.pc2", rate=8, progress=lambda percent, stage: told.append(percent))
+    info = made.write(deformer, gltf=tmp_path / "a.glb", pc2=tmp_path / "a.pc2", mdd=tmp_path / "a.mdd", rate=8, progress=lambda percent, stage: told.append(percent))
     assert info == AnimationInfo(9, 0.0, True, False, 0, (), info.discretisation_error) and 0 < info.discretisation_error < 0.01 and told == sorted(told) and told[-1] == 100
     points = np.frombuffer((tmp_path / "a.pc2").read_bytes(), "<f4", offset=32).reshape(9, -1, 3)
     assert all((points[i] == pose.vertices.astype(np.float32)).all() for i, (_, pose) in enumerate(frames))
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.glb", "a.pc2"]
+    content = (tmp_path / "a.mdd").read_bytes()
+    assert struct.unpack_from(">2i9f", content) == (9, points.shape[1], *(i / 8 for i in range(9)))
+    assert (np.frombuffer(content, ">f4", offset=8 + 9 * 4).reshape(points.shape) == points).all()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.glb", "a.mdd", "a.pc2"]
     again = prepared(threads=1)
     made.write(again, gltf=tmp_path / "b.glb", rate=8)
     assert (tmp_path / "b.glb").read_bytes() == (tmp_path / "a.glb").read_bytes()
@@ -162,8 +166,9 @@ def test_one_file_is_not_written_twice(tmp_path, monkeypatch, way):
     else:
         first, second = tmp_path / "Á.bin", tmp_path / "a\u0301.BIN"
     before = contents(tmp_path)
-    with pytest.raises(ValueError, match="are the same file; give different files"):
-        sequence().write(prepared(), gltf=first, pc2=second)
+    for kinds in (("gltf", "pc2"), ("gltf", "mdd"), ("pc2", "mdd")):
+        with pytest.raises(ValueError, match="{} and {} are the same file; give different files".format(*kinds)):
+            sequence().write(prepared(), **dict(zip(kinds, (first, second))))
     assert contents(tmp_path) == before
 
 
@@ -508,8 +513,9 @@ def test_the_filter_writes_the_same_bits(tmp_path):
     ms = pymeshlab.MeshSet()
     ms.add_mesh(pymeshlab.Mesh(SURFACE[0], SURFACE[1].astype(np.int32), v_scalar_array=SURFACE[2].astype(float)), "surface")
     ms.apply_filter("generate_fcd_pose_sequence", poses_file=str(tmp_path / "poses.csv"), gltf_file=str(tmp_path / "filter.glb"),
-                    pc2_file=str(tmp_path / "filter.pc2"), frames_per_second=8)
-    made.write(prepared(), gltf=tmp_path / "python.glb", pc2=tmp_path / "python.pc2", rate=8)
+                    pc2_file=str(tmp_path / "filter.pc2"), mdd_file=str(tmp_path / "filter.mdd"), frames_per_second=8)
+    made.write(prepared(), gltf=tmp_path / "python.glb", pc2=tmp_path / "python.pc2", mdd=tmp_path / "python.mdd", rate=8)
+    assert (tmp_path / "filter.mdd").read_bytes() == (tmp_path / "python.mdd").read_bytes()
     assert (tmp_path / "filter.pc2").read_bytes() == (tmp_path / "python.pc2").read_bytes()
     assert (tmp_path / "filter.glb").read_bytes() == (tmp_path / "python.glb").read_bytes()
 

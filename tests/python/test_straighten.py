@@ -43,6 +43,7 @@ def test_a_bent_tube_becomes_straight():
     vertices, faces = tube()
     made = straighten(bent(vertices), faces, bent(AXIS))
     assert isinstance(made, Straightened) and isinstance(made, Pose)
+    assert repr(made) == f"<Straightened of {len(vertices)} vertices, along {made.line.length:g} to {made.line.new_length:g}>"
     assert rms_apart(made.vertices, vertices) < 1e-3 * LENGTH
     assert made.line.length == made.line.new_length == pytest.approx(LENGTH, rel=1e-3)
     assert made.line.released == 0 and made.line.released_at == [] and made.line.rms < made.line.largest < 5e-3 * LENGTH

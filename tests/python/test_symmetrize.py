@@ -68,6 +68,7 @@ def test_what_was_sheared_and_bent_is_symmetric_again(restored):
     assert off(buried(truth), truth) > 0.8 and off(made.vertices, truth) < 0.15
     told = made.symmetry
     assert told.is_sure and told.plane_from == "surface" and told.converged and told.matched > 0.95
+    assert repr(made) == f"<Symmetrized of {len(truth)} vertices, {told.before:g} from its mirror image, now {told.after:g}>"
     assert told.after < 0.05 * told.before and 0 < told.moved < told.asymmetry < told.asymmetry_most
     assert made.matched.mean() > 0.95 and made.asymmetry.max() == pytest.approx(told.asymmetry_most, rel=0.3)
     assert np.array(told.plane).shape == (2, 3)

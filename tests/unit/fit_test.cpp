@@ -417,6 +417,25 @@ TEST(Fit, SaysWhatCannotBe) {
     tag[5] = 0;
     ExpectError([&] { Fit(source, target, Small(), tag, {{5, {0, 0, 0}}}); }, "not free");
     ExpectError([] { Fit(source, target, {}, std::vector<int>(source.position.size(), 0)); }, "free");
+    ExpectError([] { Fit(Shape{{{0, 0, 0}}, {}, {}}, target); }, "nothing to fit: what is free are single vertices");
+    Shape loose = source;
+    loose.position.emplace_back(0, 0, 9);
+    ExpectError(
+        [&] {
+            Fit(loose, target, Small(), {}, {{source.position.size(), {0, 0, 0}}});
+        },
+        "Landmark 1 is at a vertex of a loose part, which only goes along with the surface. Leave it out.");
+    for (const auto &[scale, size] : {std::pair(1e77, "times larger"), std::pair(1e150, "times larger"),
+                                      std::pair(1e-10, "times smaller"), std::pair(1e-200, "times smaller")}) {
+        Shape other = target;
+        for (Vector3d &p : other.position)
+            p *= scale;
+        ExpectError([&] { Fit(source, other); }, std::string(size) + " than the surface. Scale one of them first.");
+        ExpectError([&] { Fit(source, Points(other)); }, std::string(size) + " than the surface. Scale one of them");
+    }
+    Shape stray = target; // one vertex does not make it large
+    stray.position.emplace_back(1e50, 0, 0);
+    EXPECT_LT(Rms(Fit(source, stray), Points(truth)), 0.01);
     for (double FitParam::*value : {&FitParam::stiffness, &FitParam::largestDistance, &FitParam::largestAngle}) {
         FitParam param = Small();
         param.*value = 0;
@@ -643,7 +662,8 @@ TEST(Fit, CurvesLeadWhatSlides) {
         EXPECT_NEAR(fit(both).report.curves, 5 * 0.1 / 2, 0.05);
     std::vector<int> tag(from.position.size(), 1);
     tag[meridian.vertex[0]] = 0;
-    ExpectError([&] { Fit(from, to, Small(), tag, {}, {}, 0, {}, {}, {meridian}); }, "is none or is not free");
+    ExpectError([&] { Fit(from, to, Small(), tag, {}, {}, 0, {}, {}, {meridian}); },
+                "is none, is not free, or is of a loose part");
     meridian.offset.resize(2);
     ExpectError([&] { fit({meridian}); }, "Curve 1 has 2 offsets. Give one for each vertex");
     meridian.offset.clear();

@@ -64,6 +64,29 @@ TEST(NearestPlace, OnTrianglesIsNoFartherThanAnyPointOfThem) {
     }
 }
 
+TEST(NearestPlace, IsTheSameAtAnySize) {
+    Eigen::Matrix3Xd position;
+    const auto triangle = Soup(position);
+    const NearestPlace nearest(position, triangle, {});
+    for (const int power : {-480, -300, -200, 200, 330}) { // from 1e-145 to 1e99
+        const double scale = std::ldexp(1.0, power);
+        const Eigen::Matrix3Xd scaled = scale * position;
+        const NearestPlace there(scaled, triangle, {});
+        std::mt19937 random(3);
+        std::uniform_real_distribution<double> number(-1, 1);
+        for (int i = 0; i < 300; ++i) {
+            const double far = i < 200 ? 1 : i < 250 ? 1e-3 : 1e3;
+            const Vector3d p = far * Vector3d(number(random), number(random), number(random));
+            const SurfacePlace one = nearest(p), other = there(scale * p);
+            ASSERT_EQ(one.count, other.count) << power;
+            for (int k = 0; k < one.count; ++k) {
+                ASSERT_EQ(one.slot[k], other.slot[k]) << power;
+                ASSERT_EQ(one.weight[k], other.weight[k]) << power; // to the bit: the scale is a power of two
+            }
+        }
+    }
+}
+
 TEST(NearestPlace, IsOnTheFirstOfTheNearestTriangles) {
     for (const double scale : {1.0, 1e-60, 1e60}) {
         Eigen::Matrix3Xd position;

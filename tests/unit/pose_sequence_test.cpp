@@ -392,8 +392,9 @@ TEST(SequenceFrames, AreWrittenAndTaken) {
         keys.push_back(number);
         look(pose);
     };
-    Bytes cache, gltf, again;
-    output.pointCache = cache.Write();
+    Bytes cache, mdd, gltf, again;
+    output.pc2 = cache.Write();
+    output.mdd = mdd.Write();
     output.gltf = gltf.Write();
     const SequenceReport report = run(output);
     EXPECT_EQ(frames.size(), 6u); // at 0, 0.25, 0.5, 0.75, 1, 1.25 s
@@ -418,6 +419,17 @@ TEST(SequenceFrames, AreWrittenAndTaken) {
                 ASSERT_EQ(cache.At<float>(32 + 12 * (i * n + v) + 4 * d),
                           float(frames[i](Eigen::Index(d), Eigen::Index(v))));
 
+    std::string words = mdd.content; // from big-endian
+    ASSERT_EQ(words.size(), 8 + 6 * 4 + 6 * n * 12);
+    for (std::size_t at = 0; at < words.size(); at += 4)
+        std::reverse(words.begin() + std::ptrdiff_t(at), words.begin() + std::ptrdiff_t(at + 4));
+    const Bytes read{words};
+    EXPECT_EQ(read.At<std::int32_t>(0), 6);
+    EXPECT_EQ(read.At<std::int32_t>(4), std::int32_t(n));
+    for (std::size_t i = 0; i < 6; ++i)
+        EXPECT_EQ(read.At<float>(8 + 4 * i), 0.25F * float(i));
+    EXPECT_EQ(words.substr(8 + 6 * 4), cache.content.substr(32));
+
     EXPECT_EQ(gltf.content.compare(0, 4, "glTF"), 0);
     EXPECT_EQ(gltf.At<std::uint32_t>(8), gltf.content.size());
     const std::size_t json = gltf.At<std::uint32_t>(12), buffer = 20 + json + 8;
@@ -437,10 +449,16 @@ TEST(SequenceFrames, AreWrittenAndTaken) {
                             frames[i](Eigen::Index(d), Eigen::Index(v)), 1e-6 * box.diagonal().norm());
             }
     output.frame = output.keyFrame = nullptr;
-    output.pointCache = nullptr;
+    output.pc2 = output.mdd = nullptr;
     output.gltf = again.Write();
     run(output, 1);
     EXPECT_TRUE(gltf.content == again.content); // with other outputs, and any number of threads
+    Bytes alone;
+    output.gltf = nullptr;
+    output.mdd = alone.Write();
+    run(output, 1);
+    EXPECT_TRUE(mdd.content == alone.content);
+    output.mdd = nullptr;
 
     Bytes poses;
     output.gltf = poses.Write();
@@ -477,7 +495,7 @@ TEST(SequenceFrames, TakeOtherSurfacesAlong) {
     const auto run = [&] {
         return WriteFrames(rig.arrays, rig.handles, *rig.deformer, rig.sequence, rig.motions, rig.param, output);
     };
-    output.pointCache = cache.Write();
+    output.pc2 = cache.Write();
     run();
     EXPECT_EQ(calls, 0); // a point cache only has the surface
     output.gltf = gltf.Write();
@@ -529,7 +547,7 @@ TEST(GltfFile, DoesNotGrowBeyondItsFormat) {
     EXPECT_NE(message(40000).find("A .glb file holds 4 GB, and this one would take "), std::string::npos);
     EXPECT_EQ(message(65537),
               "A .glb file holds 65536 frames with a shape each, and this one would have 65537. Write fewer "
-              "frames, a shape for each pose instead of each frame, or a .pc2 file.");
+              "frames, a shape for each pose instead of each frame, or a .pc2 or .mdd file.");
     EXPECT_TRUE(file.content.empty());
 }
 
@@ -549,12 +567,17 @@ TEST(FrameFiles, RefuseWhatSinglePrecisionCannotHold) {
               }),
               "A .glb file holds times in single precision, in which some frames would be at the same time. Let the "
               "first key frame be nearer to 0 s.");
+    EXPECT_EQ(MessageOf<BadInput>([&] { PointCacheFile(file.Write(), packed, late.time, 1, PointCacheFile::Mdd); }),
+              "A .mdd file holds times in single precision, in which some frames would be at the same time. Let the "
+              "first key frame be nearer to 0 s.");
     position *= 1e200;
     EXPECT_EQ(MessageOf<BadInput>([&] {
                   GltfFile(file.Write(), {{"far", packed, look, position, position}}, FramesOf(2));
               }),
               tooFar);
-    EXPECT_EQ(MessageOf<BadInput>([&] { PointCacheFile(file.Write(), packed, 1, 0).Add(position); }), tooFar);
+    for (const PointCacheFile::Format format : {PointCacheFile::Pc2, PointCacheFile::Mdd})
+        EXPECT_EQ(MessageOf<BadInput>([&] { PointCacheFile(file.Write(), packed, {0}, 1, format).Add(position); }),
+                  tooFar);
 }
 
 TEST(GltfFile, OfManyFramesHoldsOnlyTheWeightsThatAreNotZero) {

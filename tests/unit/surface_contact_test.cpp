@@ -137,6 +137,7 @@ TEST(SurfaceContact, TellsHowDeepABallHasComeThroughASheet) {
                 EXPECT_EQ(contact.depth[i], 0);
         // World units: the layer's matrix counts.
         EXPECT_NEAR(FindContact(Read(mesh), position, 10 * same, defaultWeldDistance).largest, 10 * deep, 0.1);
+        EXPECT_EQ(contact.largest, *std::max_element(contact.depth.begin(), contact.depth.end()));
     }
 }
 

@@ -164,7 +164,7 @@ void MeasurePieces(const TwoShapes &shape, const std::vector<char> &crosses, Sur
                     square = std::min(square, (*cut[c].tree)(p, -1).square);
             });
             if (square < std::numeric_limits<double>::max()) // else all crossing faces are at its own border
-                contact.depth[i] = float(std::sqrt(square));
+                contact.depth[i] = std::sqrt(square);
         }
     });
 }
@@ -190,10 +190,10 @@ SurfaceContact FindContact(const SurfaceView &mesh, const PositionsRef &position
     for (const detail::Crossing &each : crossing)
         for (std::uint32_t f : each.face)
             for (std::size_t k = 0; k < 3; ++k) {
-                float &depth = contact.depth[shape.Corner(f, k)];
-                depth = std::max(depth, float(each.through));
+                double &depth = contact.depth[shape.Corner(f, k)];
+                depth = std::max(depth, each.through);
             }
-    contact.largest = double(*std::max_element(contact.depth.begin(), contact.depth.end()));
+    contact.largest = *std::max_element(contact.depth.begin(), contact.depth.end());
     return contact;
 }
 

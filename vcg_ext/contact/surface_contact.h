@@ -24,7 +24,7 @@ struct SurfaceContact {
     /// of \ref face have the depth of their pair of faces. Those faces also cut the surface into pieces. In each
     /// connected part, all pieces but the largest are inside: their vertices have the distance from the surface that
     /// they passed.
-    std::vector<float> depth;
+    std::vector<double> depth;
 
     std::string Text() const; ///< a sentence about it; empty without contact
 };

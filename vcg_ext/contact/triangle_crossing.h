@@ -2,7 +2,7 @@
 #ifndef VCG_FCD_TRIANGLE_CROSSING_H
 #define VCG_FCD_TRIANGLE_CROSSING_H
 
-#include <vcg_ext/surface/triangle_tree.h>
+#include <vcg_ext/surface/triangle_weights.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>

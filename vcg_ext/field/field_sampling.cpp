@@ -120,6 +120,28 @@ void detail::FieldSampler::FindNear(const std::vector<Index> &added) {
         isNear[i] = counts[i] && isBeside[std::size_t(patches.patchOf[std::size_t(surface.nodeOf[i])])];
 }
 
+/// As SampleField, in units of which squares are numbers of single precision.
+static SampledField Sampled(const SurfaceGraph &surface, std::vector<std::array<Index, 3>> face,
+                            const Eigen::Matrix3Xd &rest, const Eigen::Matrix3Xd &deformed,
+                            const std::vector<Eigen::Matrix3f> &linear, const FieldParam &param,
+                            const std::vector<Index> &regionOf, const Progress &progress) {
+    detail::FieldSampler sampler(surface, std::move(face), rest, deformed, linear, regionOf, param);
+    SampledField result;
+    result.accuracy = sampler.Accuracy();
+    double from = 0.2;
+    for (bool isDone = false; !isDone; ++result.rounds) {
+        const double to = from + 0.2 * (1 - from);
+        const Progress round = progress.Slice(from, to);
+        const DeformationField field(sampler.Sample(round.Slice(0, 0.3)), round.Slice(0.3, 0.4));
+        isDone = sampler.Refine(field, result, round.Slice(0.4, 1));
+        result.samples = field.samples;
+        from = to;
+    }
+    progress(1, "Comparing");
+    result.samples.largestDifference = result.largest;
+    return result;
+}
+
 SampledField SampleField(const SurfaceView &mesh, const Eigen::Matrix3Xd &rest, const Eigen::Matrix3Xd &deformed,
                          const std::vector<Eigen::Matrix3f> &linear, const FieldParam &param, const Progress &progress,
                          const Eigen::Matrix3d &metric, const std::vector<Index> &regionOf) {
@@ -135,20 +157,22 @@ SampledField SampleField(const SurfaceView &mesh, const Eigen::Matrix3Xd &rest, 
     for (std::size_t f = 0; f < mesh.faces; ++f)
         if (mesh.IsFace(f))
             face.push_back({Index(mesh.corner[3 * f]), Index(mesh.corner[3 * f + 1]), Index(mesh.corner[3 * f + 2])});
-    detail::FieldSampler sampler(surface, std::move(face), rest, deformed, linear, regionOf, param);
-    SampledField result;
-    result.accuracy = sampler.Accuracy();
-    double from = 0.2;
-    for (bool isDone = false; !isDone; ++result.rounds) {
-        const double to = from + 0.2 * (1 - from);
-        const Progress round = progress.Slice(from, to);
-        const DeformationField field(sampler.Sample(round.Slice(0, 0.3)), round.Slice(0.3, 0.4));
-        isDone = sampler.Refine(field, result, round.Slice(0.4, 1));
-        result.samples = field.samples;
-        from = to;
-    }
-    progress(1, "Comparing");
-    result.samples.largestDifference = result.largest;
+    double farthest = 0;
+    for (std::size_t i = 0; i < surface.nodeOf.size(); ++i)
+        if (surface.nodeOf[i] >= 0)
+            farthest = std::max({farthest, rest.col(Eigen::Index(i)).cwiseAbs().maxCoeff(),
+                                 deformed.col(Eigen::Index(i)).cwiseAbs().maxCoeff()});
+    const double unit = detail::UnitOf(farthest); // errors are in single precision
+    if (unit == 1)
+        return Sampled(surface, std::move(face), rest, deformed, linear, param, regionOf, progress);
+    FieldParam scaled = param;
+    scaled.accuracy /= unit;
+    SampledField result =
+        Sampled(surface, std::move(face), rest / unit, deformed / unit, linear, scaled, regionOf, progress);
+    result.samples.position *= unit;
+    result.samples.displacement *= unit;
+    for (double *each : {&result.samples.largestDifference, &result.accuracy, &result.largest, &result.rms})
+        *each *= unit;
     return result;
 }
 

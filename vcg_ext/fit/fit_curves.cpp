@@ -96,7 +96,8 @@ FitCurves::FitCurves(const std::vector<Curve> &curves, const std::vector<Index> 
             const std::size_t vertex = curves[c].vertex[v];
             const Index node = vertex < nodeOf.size() ? nodeOf[vertex] : -1;
             if (node < 0 || deformer.held.tag[node] != 1)
-                throw BadInput(name + " has vertex " + std::to_string(vertex) + ", which is none or is not free.");
+                throw BadInput(name + " has vertex " + std::to_string(vertex) +
+                               ", which is none, is not free, or is of a loose part.");
             if (!taken.insert(node).second)
                 continue;
             samples.Add(deformer, pose, node, offset.empty() ? Eigen::Vector3d::Zero() : offset[v]);

@@ -255,7 +255,7 @@ void FitSystem::Factorise(System<N> &system) {
     isNew = isFactored = system.factor.Factorise(system.matrix, {}, "") && system.factor.Negative() == 0;
     if (!isFactored)
         throw Unsolvable("The fit cannot be solved in double precision. Take stiffness and smoothness nearer to their "
-                         "defaults, remove stray points of the target, or, if the surface is as thin as a line, take "
+                         "defaults, remove stray points, or, if the surface is as thin as a line, take "
                          "its vertices alone, as a cloud.");
 }
 

@@ -2,7 +2,9 @@
 #include <vcg_ext/sequence/frame_files.h>
 
 #include <algorithm>
-#include <cstring>
+#include <cmath>
+#include <functional>
+#include <string>
 #include <utility>
 
 namespace vcg::fcd {
@@ -43,20 +45,57 @@ void WriteRows(const WriteAt &write, std::uint64_t at, const PackedSurface &surf
     }
 }
 
+std::vector<float> SingleTimes(const std::vector<double> &time, const std::string &ending) {
+    std::vector<float> seconds(time.size());
+    std::transform(time.begin(), time.end(), seconds.begin(), [](double each) { return float(each); });
+    if (std::adjacent_find(seconds.begin(), seconds.end(), std::greater_equal<float>()) != seconds.end())
+        throw BadInput("A " + ending +
+                       " file holds times in single precision, in which some frames would be at the "
+                       "same time. Let the first key frame be nearer to 0 s.");
+    return seconds;
+}
+
 } // namespace detail
 
-PointCacheFile::PointCacheFile(WriteAt write, const PackedSurface &surface, std::size_t frames, double first)
-    : write(std::move(write)), surface(surface) {
-    char header[32] = "POINTCACHE2";
-    const std::int32_t version = 1, points = std::int32_t(surface.slot.size()), samples = std::int32_t(frames);
-    const float start = float(first), rate = 1;
-    std::memcpy(header + 12, &version, 4);
-    std::memcpy(header + 16, &points, 4);
-    std::memcpy(header + 20, &start, 4);
-    std::memcpy(header + 24, &rate, 4);
-    std::memcpy(header + 28, &samples, 4);
-    this->write(0, header, sizeof header);
-    at = sizeof header;
+namespace {
+
+/// Takes numbers of 4 bytes, and passes them on with the first byte last.
+WriteAt Swapped(WriteAt write) {
+    return [write = std::move(write)](std::uint64_t at, const char *data, std::size_t size) {
+        std::string swapped(data, size);
+        for (auto each = swapped.begin(); each != swapped.end(); each += 4)
+            std::reverse(each, each + 4);
+        write(at, swapped.data(), size);
+    };
+}
+
+} // namespace
+
+PointCacheFile::PointCacheFile(WriteAt given, const PackedSurface &surface, const std::vector<double> &time,
+                               double rate, Format format)
+    : write(format == Mdd ? Swapped(std::move(given)) : std::move(given)), surface(surface) {
+    const auto put = [&](auto number) {
+        static_assert(sizeof number == 4);
+        write(at, reinterpret_cast<const char *>(&number), 4);
+        at += 4;
+    };
+    const auto points = std::int32_t(surface.slot.size()), frames = std::int32_t(time.size());
+    if (format == Pc2) {
+        const char name[12] = "POINTCACHE2";
+        write(at, name, sizeof name);
+        at += sizeof name;
+        put(std::int32_t(1)); // version
+        put(points);
+        put(float(std::round(time.front() * rate)));
+        put(1.F); // frames a sample
+        put(frames);
+    } else {
+        const std::vector<float> seconds = detail::SingleTimes(time, ".mdd");
+        put(frames);
+        put(points);
+        write(at, reinterpret_cast<const char *>(seconds.data()), 4 * seconds.size());
+        at += 4 * seconds.size();
+    }
 }
 
 void PointCacheFile::Add(const PositionsRef &position) {

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
 namespace vcg::fcd {
@@ -37,16 +38,28 @@ struct PackedSurface {
     unsigned threads; ///< for writing, 0 = one a core
 };
 
-/// A point cache, `.pc2`: the positions of a mesh's vertices, frame by frame, in single precision. Autodesk's
-/// PointCache writes it, and Blender's modifier "Mesh Cache" reads it. 32 bytes ("POINTCACHE2", 0, the version 1,
-/// number of vertices, number of the first frame, frames per sample, number of samples), then three numbers for each
-/// vertex of each frame, little-endian.
+/// A point cache: the positions of a mesh's vertices, frame by frame, in single precision. Blender's modifier "Mesh
+/// Cache" reads both formats.
 class PointCacheFile {
   public:
-    /// \param frames number of frames \param first number of the first one
-    PointCacheFile(WriteAt write, const PackedSurface &surface, std::size_t frames, double first);
+    enum Format {
+        /// `.pc2`, of Autodesk's PointCache. 32 bytes ("POINTCACHE2", 0, the version 1, number of vertices, number of
+        /// the
+        /// first frame, frames per sample, number of samples), then three numbers for each vertex of each frame,
+        /// little-endian.
+        Pc2,
+        /// `.mdd`, of LightWave. Number of frames, number of vertices, the time of each frame in seconds, then three
+        /// numbers for each vertex of each frame; 4 bytes each, big-endian.
+        Mdd
+    };
+
+    /// \param time of each frame, seconds \param rate frames per second
+    /// \throw BadInput two frames (Mdd) are at the same time in single precision
+    PointCacheFile(WriteAt write, const PackedSurface &surface, const std::vector<double> &time, double rate,
+                   Format format);
 
     /// \param position 3 x vertex slots of the next frame
+    /// \throw BadInput it is beyond single precision
     void Add(const PositionsRef &position);
 
   private:
@@ -56,6 +69,10 @@ class PointCacheFile {
 };
 
 namespace detail {
+
+/// Times of frames in single precision. \param ending of their file
+/// \throw BadInput two of them are then the same
+std::vector<float> SingleTimes(const std::vector<double> &time, const std::string &ending);
 
 /// Calls body(i) for each i below \p count, in order, and reports progress. \throw Cancelled
 template <class Body>

@@ -32,7 +32,7 @@ GltfFile::GltfFile(WriteAt write, const std::vector<GltfMesh> &given, MorphAnima
     if (isSparse && times > mostFrames)
         throw BadInput("A .glb file holds " + std::to_string(mostFrames) + " frames with a shape each, and this one " +
                        "would have " + std::to_string(times) +
-                       ". Write fewer frames, a shape for each pose instead of each frame, or a .pc2 file.");
+                       ". Write fewer frames, a shape for each pose instead of each frame, or a .pc2 or .mdd file.");
     AddPart(numbers, real, "SCALAR", 4 * (isSparse ? times : numbers), 0, 0);
     for (const GltfMesh &mesh : given)
         AddMesh(mesh);
@@ -44,7 +44,7 @@ GltfFile::GltfFile(WriteAt write, const std::vector<GltfMesh> &given, MorphAnima
     jsonBytes = (Json(true).size() + 3) / 4 * 4;
     if (headBytes + jsonBytes + 8 + bufferBytes > std::numeric_limits<std::uint32_t>::max())
         throw BadInput("A .glb file holds 4 GB, and this one would take " + std::to_string(bufferBytes / 1000000 + 1) +
-                       " MB. Write fewer frames, a shape for each pose instead of each frame, or a .pc2 file.");
+                       " MB. Write fewer frames, a shape for each pose instead of each frame, or a .pc2 or .mdd file.");
     WriteTimes();
     for (Placed &each : meshes)
         WriteRest(each);
@@ -128,12 +128,7 @@ void GltfFile::WriteTimes() {
         for (std::size_t i = 0; i < times; ++i)
             weights[i * targets + i] = 1;
     }
-    std::vector<float> seconds(times);
-    std::transform(animation.time.begin(), animation.time.end(), seconds.begin(),
-                   [](double time) { return float(time); });
-    if (std::adjacent_find(seconds.begin(), seconds.end(), std::greater_equal<float>()) != seconds.end())
-        throw BadInput("A .glb file holds times in single precision, in which some frames would be at the same time. "
-                       "Let the first key frame be nearer to 0 s.");
+    const std::vector<float> seconds = detail::SingleTimes(animation.time, ".glb");
     parts[0].low[0] = seconds.front();
     parts[0].high[0] = seconds.back();
     assert(parts[0].bytes == 4 * seconds.size() && parts[1].bytes == 4 * weights.size());

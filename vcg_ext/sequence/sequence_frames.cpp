@@ -221,7 +221,7 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
     sequence.Validate();
     for (const Companion &each : output.companions)
         ExpectPlaces(each);
-    const bool frames = output.gltf || output.pointCache || output.frame;
+    const bool frames = output.gltf || output.pc2 || output.mdd || output.frame;
     const std::vector<double> time = FrameTimes(sequence, output.rate);
     const std::vector<Stop> stops = StopsOf(sequence, output.rate, frames, bool(output.keyFrame));
     if (stops.empty())
@@ -252,12 +252,13 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
     };
 
     std::unique_ptr<const PackedSurface> packed;
-    std::unique_ptr<PointCacheFile> cache;
-    if (output.pointCache) {
+    std::vector<PointCacheFile> caches;
+    if (output.pc2 || output.mdd)
         packed = std::make_unique<const PackedSurface>(surface, progress.Slice(0, 0));
-        cache = std::make_unique<PointCacheFile>(output.pointCache, *packed, time.size(),
-                                                 std::round(time.front() * output.rate));
-    }
+    if (output.pc2)
+        caches.emplace_back(output.pc2, *packed, time, output.rate, PointCacheFile::Pc2);
+    if (output.mdd)
+        caches.emplace_back(output.mdd, *packed, time, output.rate, PointCacheFile::Mdd);
     std::unique_ptr<Morphs> morphs;
     if (output.gltf)
         morphs = std::make_unique<Morphs>(output, surface, handles, sequence, time, progress.Slice(0, 0));
@@ -277,8 +278,8 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
             if (const SurfaceContact found = ContactOf(surface, deformer, position, param); !found.face.empty())
                 report.contacts.push_back({stop.time, found.face.size(), found.largest});
         if (stop.frame != Stop::none) {
-            if (cache)
-                cache->Add(position);
+            for (PointCacheFile &each : caches)
+                each.Add(position);
             if (morphs)
                 morphs->AddFrame(stop.frame, *carrier, position);
             if (output.frame)

@@ -37,7 +37,7 @@ struct SequenceOutput {
     std::vector<Companion> companions; ///< in glTF
     WriteAt gltf;                      ///< gets a .glb file, world units
     Shapes shapes = EachFrame;
-    WriteAt pointCache; ///< gets a .pc2 file, mesh units
+    WriteAt pc2, mdd; ///< each gets a point cache, mesh units
 
     /// Gets a frame: its number, its pose, and its positions, 3 x vertex slots, mesh units.
     using Take = std::function<void(std::size_t number, const Deformer::Pose &pose, const Eigen::Matrix3Xd &position)>;

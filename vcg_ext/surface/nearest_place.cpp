@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/base/elementary.h>
+#include <vcg_ext/base/frame.h>
 #include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/surface/nearest_place.h>
 #include <vcg_ext/surface/triangle_tree.h>
@@ -17,11 +18,28 @@ namespace {
 // position is found.
 constexpr std::size_t mostAsked = std::size_t(16) * (SurfacePlace::most + 1);
 
+// No number that is searched is beyond this, so that squares are numbers.
+constexpr double farAway = 1e100;
+
+/// The largest coordinate of what is searched.
+double FarthestOf(const Eigen::Matrix3Xd &position, const std::vector<std::array<Index, 3>> &triangle,
+                  const std::vector<char> &isVertex) {
+    double farthest = 0;
+    const auto take = [&](Index i) { farthest = std::max(farthest, position.col(i).cwiseAbs().maxCoeff()); };
+    for (const auto &corners : triangle)
+        std::for_each(corners.begin(), corners.end(), take);
+    for (std::size_t i = 0; triangle.empty() && i < isVertex.size(); ++i)
+        if (isVertex[i])
+            take(Index(i));
+    return farthest;
+}
+
 } // namespace
 
-NearestPlace::NearestPlace(const Eigen::Matrix3Xd &position, std::vector<std::array<Index, 3>> triangle,
+NearestPlace::NearestPlace(const Eigen::Matrix3Xd &given, std::vector<std::array<Index, 3>> triangle,
                            const std::vector<char> &isVertex, const Progress &progress)
-    : position(position) {
+    : unit(detail::UnitOf(FarthestOf(given, triangle, isVertex))),
+      scaled(unit == 1 ? Eigen::Matrix3Xd() : Eigen::Matrix3Xd(given / unit)), position(unit == 1 ? given : scaled) {
     assert(!triangle.empty() || std::count(isVertex.begin(), isVertex.end(), char(1)) > 0);
     if (!triangle.empty()) {
         triangles = std::make_unique<detail::TriangleTree>(position, std::move(triangle), progress);
@@ -38,9 +56,15 @@ NearestPlace::NearestPlace(const Eigen::Matrix3Xd &position, std::vector<std::ar
 
 NearestPlace::~NearestPlace() = default;
 
+/// What is farther away than numbers reach in this unit is so far in its direction.
+Eigen::Vector3d NearestPlace::InUnit(const Eigen::Vector3d &p) const {
+    return unit == 1 ? p : Eigen::Vector3d((p / unit).cwiseMax(-farAway).cwiseMin(farAway));
+}
+
 const std::vector<std::array<Index, 3>> &NearestPlace::Triangles() const { return triangles->Triangles(); }
 
-SurfacePlace NearestPlace::Find(const Eigen::Vector3d &p, Hint &hint, const Eigen::Vector3d *normal) const {
+SurfacePlace NearestPlace::Find(const Eigen::Vector3d &at, Hint &hint, const Eigen::Vector3d *normal) const {
+    const Eigen::Vector3d p = InUnit(at);
     SurfacePlace place;
     if (vertices) {
         Among(p, hint, place);
@@ -64,7 +88,7 @@ SurfacePlace NearestPlace::Find(const Eigen::Vector3d &p, Hint &hint, const Eige
 }
 
 double NearestPlace::SideOf(const Eigen::Vector3d &p, const Eigen::Vector3d &normal) const {
-    const Index t = triangles ? (*triangles)(p, -1).triangle : -1;
+    const Index t = triangles ? (*triangles)(InUnit(p), -1).triangle : -1;
     return t < 0 ? 0 : triangles->NormalOf(t).dot(normal);
 }
 

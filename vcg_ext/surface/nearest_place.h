@@ -31,10 +31,10 @@ struct SurfacePlace {
 /// where vertices at one position count as one. Safe for any number of threads.
 class NearestPlace {
   public:
-    /// \param position 3 x slots, any unit; must outlive this \param triangle slots of the corners
+    /// \param given 3 x slots, any unit; must outlive this \param triangle slots of the corners
     /// \param isVertex flags of slots that count if there are no triangles
     /// \pre there is a triangle, or a vertex that counts \throw Cancelled
-    NearestPlace(const Eigen::Matrix3Xd &position, std::vector<std::array<Index, 3>> triangle,
+    NearestPlace(const Eigen::Matrix3Xd &given, std::vector<std::array<Index, 3>> triangle,
                  const std::vector<char> &isVertex, const Progress &progress = {});
     ~NearestPlace();
     NearestPlace(const NearestPlace &) = delete;
@@ -84,10 +84,13 @@ class NearestPlace {
     const std::vector<std::array<Index, 3>> &Triangles() const;
 
   private:
-    SurfacePlace Find(const Eigen::Vector3d &p, Hint &hint, const Eigen::Vector3d *normal) const;
+    SurfacePlace Find(const Eigen::Vector3d &at, Hint &hint, const Eigen::Vector3d *normal) const;
+    Eigen::Vector3d InUnit(const Eigen::Vector3d &p) const;
     void Among(const Eigen::Vector3d &p, Hint &hint, SurfacePlace &place) const;
     double SideOf(const Eigen::Vector3d &p, const Eigen::Vector3d &normal) const;
 
+    const double unit;             ///< of all lengths here: squares of others may be no numbers
+    const Eigen::Matrix3Xd scaled; ///< the positions in that unit; none where it is 1
     const Eigen::Matrix3Xd &position;
     std::unique_ptr<const detail::TriangleTree> triangles; ///< null: there are none
     std::vector<Index> vertex;                             ///< slots of the points in vertices

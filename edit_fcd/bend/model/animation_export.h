@@ -11,9 +11,11 @@ struct AnimationExport {
     double rate = 24;                                                              ///< frames a second
     double from = 0, to = 0;                                                       ///< range of the key frames, seconds
     vcg::fcd::SequenceOutput::Shapes shapes = vcg::fcd::SequenceOutput::EachFrame; ///< of glTF
-    QString file;                                                                  ///< .glb or .pc2
+    QString file;                                                                  ///< .glb, .pc2 or .mdd
 
-    bool isPointCache() const { return file.endsWith(".pc2", Qt::CaseInsensitive); }
+    bool isPc2() const { return file.endsWith(".pc2", Qt::CaseInsensitive); }
+    bool isMdd() const { return file.endsWith(".mdd", Qt::CaseInsensitive); }
+    bool isGltf() const { return !isPc2() && !isMdd(); }
 };
 
 #endif

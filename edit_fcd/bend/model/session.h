@@ -183,8 +183,10 @@ class BendSession {
         vcg::fcd::SurfaceLook look;
         std::vector<std::string> remarks; ///< on the look
     };
-    /// \throw vcg::fcd::Error there is none in that range
+    /// Without look and remarks. \throw vcg::fcd::Error there is none in that range
     Animation animation(const AnimationExport &how);
+    /// Adds look and remarks.
+    void readLook(Animation &animation) const;
     /// Writes it as FCD: Pose Sequence does; may run in the background. \param files get it; call their save afterwards
     /// \throw vcg::fcd::Error as blend(), prepare() and WriteFrames; or the file cannot be written
     vcg::fcd::SequenceReport exportAnimation(const Animation &animation, const AnimationExport &how, FilesToSave &files,

@@ -125,8 +125,8 @@ std::string BendSession::exportCall(const Animation &animation, const AnimationE
         call.with("poses_file", std::string("poses.csv"));
     call.with("handles", 2).with("tag_attribute", appliedTags(document, layer)).with("frame_layers", 0);
     call.with("frames_per_second", asTyped(how.rate), asTyped(AnimationExport().rate));
-    call.with(how.isPointCache() ? "pc2_file" : "gltf_file", how.file.toStdString());
-    if (!how.isPointCache())
+    call.with(how.isPc2() ? "pc2_file" : how.isMdd() ? "mdd_file" : "gltf_file", how.file.toStdString());
+    if (how.isGltf())
         call.with("gltf_shapes", int(how.shapes), 0);
     std::string text = withShape(call, data.options);
     if (data.options.weights != BendOptions().weights)

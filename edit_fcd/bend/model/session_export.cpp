@@ -14,14 +14,15 @@ using vcg::fcd::PoseSequence;
 BendSession::Animation BendSession::animation(const AnimationExport &how) {
     writeAppliedTags(); // by which the filter knows the handles
     const PoseSequence &all = expectAnimation(state());
-    Animation animation{posesInNumbers(),
-                        partOfAnimation(all, how.from, how.to, asTyped(how.rate)).key,
-                        layer.label().toStdString(),
-                        {},
-                        {}};
-    if (!how.isPointCache())
-        animation.look = lookOf(document, layer, [&](const std::string &text) { animation.remarks.push_back(text); });
-    return animation;
+    return {posesInNumbers(),
+            partOfAnimation(all, how.from, how.to, asTyped(how.rate)).key,
+            layer.label().toStdString(),
+            {},
+            {}};
+}
+
+void BendSession::readLook(Animation &animation) const {
+    animation.look = lookOf(document, layer, [&](const std::string &text) { animation.remarks.push_back(text); });
 }
 
 vcg::fcd::SequenceReport BendSession::exportAnimation(const Animation &animation, const AnimationExport &how,
@@ -37,7 +38,7 @@ vcg::fcd::SequenceReport BendSession::exportAnimation(const Animation &animation
     output.name = animation.name;
     output.look = animation.look;
     output.shapes = how.shapes;
-    (how.isPointCache() ? output.pointCache : output.gltf) = files.add(how.file);
+    (how.isPc2() ? output.pc2 : how.isMdd() ? output.mdd : output.gltf) = files.add(how.file);
     return WriteFrames(surface->View(), handles, *solver.prepared()->deformer, sequence, motionsOfPoses(),
                        deformationOf(data.options), output, progress.Slice(0.2, 1));
 }

@@ -40,9 +40,9 @@ BendPoseBox::BendPoseBox(QWidget *parent) : QWidget(parent) {
     last->addWidget(play);
     bar = new BendTimeline;
     last->addWidget(bar, 1);
-    last->addWidget(made("export", "Export ...",
-                         "Writes the animation as glTF (.glb) for Blender and web pages, or as a point cache (.pc2)",
-                         Export));
+    last->addWidget(made(
+        "export", "Export ...",
+        "Writes the animation as glTF (.glb) for Blender and web pages, or as a point cache (.pc2, .mdd)", Export));
 }
 
 #include "edit_fcd/bend/panel/moc_pose_box.cpp" // NOLINT(bugprone-suspicious-include)

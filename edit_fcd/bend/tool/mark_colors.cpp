@@ -28,7 +28,7 @@ std::vector<vcg::Color4b> MarkColors::of(const BendSession &session) {
         const RestGuard &rest = session.restShape();
         std::vector<vcg::Color4b> color = stretch->of(rest.positions(), rest.world().linear(), opacity);
         const vcg::Color4b inContact(200, 0, 200, 255);
-        const std::vector<float> &depth = session.contact().depth;
+        const std::vector<double> &depth = session.contact().depth;
         for (std::size_t i = 0; i < depth.size(); ++i)
             if (depth[i] > 0)
                 color[i] = inContact;

@@ -184,7 +184,7 @@ void BendTool::onPoseCommand(int which) {
     }
     case BendPoseBox::Save: {
         const vcg::fcd::PoseSequence poses = expectPoses(session->state());
-        const QString file = fileToSave(*view, "Save poses", kinds, {".csv"});
+        const QString file = fileToSave(*view, "Save poses", kinds);
         if (file.isEmpty() || !isReady())
             return;
         saveFiles({{file, PoseSequenceText(poses)}});
@@ -212,10 +212,12 @@ void BendTool::exportAnimation() {
     if (dialog.exec() != QDialog::Accepted || !isReady())
         return;
     AnimationExport how = dialog.asked();
-    const auto animation = std::make_shared<const BendSession::Animation>(session->animation(how));
-    how.file = fileToSave(*view, "Export animation", "glTF (*.glb);;Point caches (*.pc2)", {".glb", ".pc2"});
+    const auto animation = std::make_shared<BendSession::Animation>(session->animation(how));
+    how.file = fileToSave(*view, "Export animation", "glTF (*.glb);;Point cache (*.pc2);;Point cache (*.mdd)");
     if (how.file.isEmpty() || !isReady())
         return;
+    if (how.isGltf())
+        session->readLook(*animation);
     const auto files = std::make_shared<FilesToSave>();
     const auto report = std::make_shared<vcg::fcd::SequenceReport>();
     beside(
