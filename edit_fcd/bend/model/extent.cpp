@@ -144,7 +144,7 @@ std::shared_ptr<const BendExtent> BendReach::whole(const std::vector<std::size_t
 }
 
 double BendReach::radiusAt(std::size_t slot, double usual) {
-    const double cut = extent({slot}, usual)->cut;
+    const double cut = cutAt(slot, usual);
     return cut > 0 ? radiusOfCut * cut : usual;
 }
 

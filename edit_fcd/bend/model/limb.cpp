@@ -17,6 +17,13 @@ const float thicker = 1.75;
 // Of a limb's area, with what it hangs on: as BendReach has it for tips, which are at most half as large as the rest.
 const float largestLimb = 1.f / 3;
 
+// Near the end of a limb: from that part of the usual radius on one looks for a place that it lies beyond, each time so
+// much farther off. A finger of a body is five times as long as the first.
+const double nearestPart = 16, wayOff = 1.3;
+
+// Of the radius of a ball that cuts off a tip: what is farther off than that is no place on a much thinner limb.
+const double farOfCut = 0.75;
+
 const int binsOfThickness = 2; // so many cross-sections of a limb, each as long as that part of its thickness
 
 } // namespace
@@ -25,12 +32,35 @@ std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual,
     wait();
     if (surface->nodeOf[slot] < 0)
         return {};
+    // Near its end nothing lies beyond; but the place may lie beyond another one, on the way to what is far off.
+    std::vector<double> distances;
+    const std::vector<vcg::fcd::Index> ball = nodesWithin({slot}, usual, &distances);
+    const auto placeOf = [&](vcg::fcd::Index u) { return surface->graph.position.col(u); };
+    const auto isNearer = [&](vcg::fcd::Index u, vcg::fcd::Index v) {
+        return (placeOf(u) - placeOf(ball.back())).squaredNorm() < (placeOf(v) - placeOf(ball.back())).squaredNorm();
+    };
+    const auto rootBeyond = [&](vcg::fcd::Index node, double within) {
+        const std::size_t before = slotOf(node);
+        const bool isBeyond = whole({before}, radiusAt(before, within), hair)->shareOf(slot) == 1;
+        return isBeyond ? rootBefore(before, within, hair) : std::nullopt;
+    };
+    const double cut = cutAt(slot, usual), most = cut > 0 ? farOfCut * cut : usual / 2;
+    for (double far = usual / nearestPart; far < most; far *= wayOff) {
+        const auto first = [&](double distance) {
+            const auto found = std::lower_bound(distances.begin(), distances.end(), distance / surface->frame.scale);
+            return ball.begin() + (found - distances.begin());
+        };
+        const auto begin = first(far), end = first(wayOff * far);
+        if (begin == end)
+            continue;
+        const vcg::fcd::Index before = *std::min_element(begin, end, isNearer);
+        if (cutAt(slotOf(before), 2 * far) > 0)
+            if (const auto root = rootBeyond(before, 2 * far))
+                return root;
+    }
     if (const auto root = rootBefore(slot, usual, hair))
         return root;
-    // Near its end nothing lies beyond; but the place may lie beyond what is that far away.
-    const std::size_t before = slotOf(nodesWithin({slot}, usual).back());
-    const bool isBeyond = whole({before}, radiusAt(before, usual), hair)->shareOf(slot) == 1;
-    return isBeyond ? rootBefore(before, usual, hair) : std::nullopt;
+    return rootBeyond(ball.back(), usual);
 }
 
 /// The same, where something of the limb lies beyond the vertex.
@@ -132,7 +162,7 @@ std::pair<std::shared_ptr<const BendExtent>, bool> BendReach::beyond(std::size_t
     const double length = scale * left[std::size_t(first)], least = radiusAt(from, usual);
     if (length == 0 || length == none)
         return {};
-    const bool isLimb = extent({from}, usual)->cut > 0; // of which that radius is twice the thickness
+    const bool isLimb = cutAt(from, usual) > 0; // of which that radius is twice the thickness
     const auto placeOf = [&](vcg::fcd::Index u) { return surface->graph.position.col(u).cast<double>(); };
     std::shared_ptr<const BendExtent> found;
     double radius = isLimb ? least : none;

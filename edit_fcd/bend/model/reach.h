@@ -2,6 +2,7 @@
 #ifndef FCD_BEND_REACH_H
 #define FCD_BEND_REACH_H
 
+#include "edit_fcd/bend/model/coarse_surface.h"
 #include "edit_fcd/bend/model/vertex_faces.h"
 
 #include <vcg_ext/surface/surface_graph.h>
@@ -45,7 +46,10 @@ class BendReach {
     void begin();
     void clear();
     bool isRead() const; ///< then no question waits
-    /// The same for a coarser surface, a few milliseconds' work for what is shown while the mouse moves.
+    /// Makes glance() see what is near a vertex as it is: a finger, where else the arm is seen. Some milliseconds.
+    void lookAt(std::size_t slot);
+    /// The same for a surface that is coarser away from there, a few milliseconds' work for what is shown while the
+    /// mouse moves.
     BendReach &glance();
 
     /// The faces of each vertex, null while the surface is being read.
@@ -93,6 +97,7 @@ class BendReach {
 
   private:
     void wait();
+    double cutAt(std::size_t slot, double usual);
     std::optional<std::size_t> rootBefore(std::size_t slot, double usual, double hair);
     void take(std::unique_ptr<vcg::fcd::SurfaceGraph> read);
     struct Pieces {
@@ -118,10 +123,12 @@ class BendReach {
 
     Source source;
     std::unique_ptr<vcg::fcd::SurfaceGraph> surface;
-    std::unique_ptr<VertexFaces> facesOfVertices; ///< of the surface that is not coarse
-    std::unique_ptr<BendReach> coarse;            ///< null: there are few nodes anyway
+    std::unique_ptr<VertexFaces> facesOfVertices;   ///< of the surface that is not coarse
+    std::unique_ptr<vcg::fcd::SurfaceGraph> middle; ///< what a coarse one is made of; null: the surface itself
+    std::unique_ptr<BendReach> coarse;              ///< null: none was asked for
+    KeptNear near;                                  ///< of the coarse one
     struct Surfaces {
-        std::unique_ptr<vcg::fcd::SurfaceGraph> fine, coarse;
+        std::unique_ptr<vcg::fcd::SurfaceGraph> fine, middle;
         std::unique_ptr<VertexFaces> faces;
     };
     std::future<Surfaces> pending;              ///< valid while they are being read
