@@ -192,6 +192,13 @@ class Window:
     def title(self):
         return self.screen.mouse.title()
 
+    def has_title(self, beginning, seconds):
+        """Whether the window that has the keyboard gets such a title within so many seconds."""
+        end = time.time() + seconds
+        while time.time() < end and not self.title().startswith(beginning):
+            time.sleep(0.1)
+        return self.title().startswith(beginning)
+
     def wait_for_title(self, *beginnings, other_than=None):
         """Waits for the window that has the keyboard. Returns its title."""
         end = time.time() + 60
@@ -238,16 +245,18 @@ class Window:
         if name == "FCD: Bend" and mode:
             self.key(mode)
 
-    def save(self, name, by_menu=False):
+    def save(self, name, by_menu=False, between=lambda: None):
+        """between: what is done before each further try of the menu."""
         path = self.folder / name
         if by_menu:
-            for _ in range(5): # a busy machine loses a click at times
+            for i in range(5): # a busy machine loses a click at times
+                if i:
+                    between()
+                    if self.has_title("Save", 2): # it had waited with what was clicked
+                        break
                 self.do("mousemove", 36, 29, "click", 1, "sleep", 1) # File: it takes a while to open
                 self.click((110, 230)) # Export Mesh As
-                end = time.time() + 10
-                while time.time() < end and not self.title().startswith("Save"):
-                    time.sleep(0.1)
-                if self.title().startswith("Save"):
+                if self.has_title("Save", 10):
                     break
         else:
             self.key("ctrl+shift+e")

@@ -540,16 +540,28 @@ class Asleep:
             pytest.skip("no process may stop another one's threads here (ptrace)")
         return done
 
-    def __enter__(self):
+    def fall_asleep(self):
         self.asleep = [each for each in self.threads(self.process) - self.before if self.ask(self.SEIZE, each) == 0]
         for each in self.asleep:
             self.ask(self.INTERRUPT, each)
             os.waitpid(each, self.ANY_THREAD)
+
+    def wake_up(self):
+        for each in self.asleep:
+            self.ask(self.DETACH, each)
+
+    def turn_over(self):
+        """Wakes them up for a moment: one that fell asleep within malloc has a lock that the window may wait for."""
+        self.wake_up()
+        time.sleep(0.01)
+        self.fall_asleep()
+
+    def __enter__(self):
+        self.fall_asleep()
         return self.asleep
 
     def __exit__(self, *error):
-        for each in self.asleep:
-            self.ask(self.DETACH, each)
+        self.wake_up()
 
 
 @the_dialogs_are_those_of_2020
@@ -572,7 +584,8 @@ def test_a_large_layer_that_is_prepared_is_what_it_shows(window, tmp_path):
         with asleep as threads:
             if threads and "trace: press" not in w.text().rpartition("trace: answer")[2]:
                 slept += 1
-                assert np.array_equal(load(w.save(f"meanwhile_{i}.ply", by_menu=True))[0], posed)
+                saved = w.save(f"meanwhile_{i}.ply", by_menu=True, between=asleep.turn_over)
+                assert np.array_equal(load(saved)[0], posed)
         w.do("mousemove", X, Y + 230)
         w.until("end of it", lambda: w.text().rpartition("trace: answer")[2].count("trace: full"))
         w.settle()

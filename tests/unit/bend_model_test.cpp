@@ -170,6 +170,7 @@ TEST(BendModel, WhatWouldMoveIsSeenBefore) {
         Join(Limb(0.08, 500, {0, 0, 0}, 1, 64), Limb(0.08, 500, {0, 0.165, 0}, 1, 64))); // two fingers, nearly touching
     const std::size_t slot = bent.nearest({0.4, 0, 0.08});
     bent.reach.begin();
+    bent.reach.lookAt(slot);
     BendReach &glance = bent.reach.glance();
     EXPECT_TRUE(bent.reach.isRead());
     ASSERT_NE(&glance, &bent.reach) << "there are many vertices";
@@ -227,8 +228,40 @@ TEST(BendModel, ALimbBeginsWhereItGetsThicker) {
     for (const double x : {0.9, 1.0}) { // near its end, with nothing beyond
         const auto root = bent.reach.rootOfLimb(bent.nearest({x, 0, 0.08}), usual, 0.01);
         ASSERT_TRUE(root) << x;
-        EXPECT_NEAR(bent.position[*root][0], 0.2, 0.1) << x;
+        EXPECT_NEAR(bent.position[*root][0], 0.05 + 0.16, 0.16) << x;
     }
+}
+
+TEST(BendModel, AFingerIsALimbOfItsOwn) {
+    // A body, from x = 0 on an arm of 0.16, and from 0.6 to 0.75 a finger of 0.04.
+    Shape figure = Limb(1, 500, {0, 0, 0}, 1, 48);
+    for (Eigen::Vector3d &p : figure.position) {
+        const double x = p[0] > 0 ? 0.75 * p[0] : p[0];
+        const double thick = x < 0 ? 0.24 : x < 0.05 ? 0.24 - 3.2 * x : x < 0.6 ? 0.08 : x < 0.63 ? 0.68 - x : 0.02;
+        p = {x, thick * p[1], thick * p[2]};
+    }
+    Bent bent(figure);
+    const double usual = 0.3;
+    for (const double x : {0.67, 0.70, 0.72, 0.75}) { // up to its end
+        const std::size_t slot = bent.nearest({x, 0, 0.02});
+        bent.reach.lookAt(slot);
+        for (BendReach *reach : {&bent.reach, &bent.reach.glance()}) {
+            SCOPED_TRACE(testing::Message() << "from " << x << (reach == &bent.reach ? "" : ", at a glance"));
+            const auto root = reach->rootOfLimb(slot, usual, 0.01);
+            ASSERT_TRUE(root);
+            const double radius = reach->radiusAt(*root, usual);
+            EXPECT_NEAR(radius, 2 * 0.04, 0.03) << "twice the finger's thickness";
+            const auto joint = reach->whole({*root}, radius, 0.01)->joint;
+            ASSERT_TRUE(joint);
+            EXPECT_NEAR((*joint)[0], 0.63, 0.04) << "one thickness from where it begins";
+        }
+    }
+    for (const double x : {0.3, 0.45, 0.55}) {
+        const auto root = bent.reach.rootOfLimb(bent.nearest({x, 0, 0.08}), usual, 0.01);
+        ASSERT_TRUE(root) << x;
+        EXPECT_NEAR(bent.position[*root][0], 0.05 + 0.16, 0.1) << "the arm turns as before";
+    }
+    EXPECT_FALSE(bent.reach.rootOfLimb(bent.nearest({-0.5, 0, 0.24}), usual, 0.01));
 }
 
 TEST(BendModel, AStrokeGivesTheJointAndWhatLiesBeyond) {
@@ -251,6 +284,7 @@ TEST(BendModel, AStrokeGivesTheJointAndWhatLiesBeyond) {
                 SCOPED_TRACE(testing::Message() << isFine << " from " << x << " to " << end);
                 const std::size_t from = slotAt(x, 0, 0.08), to = slotAt(end, 0.05, 0.06);
                 const auto [is, isLimb] = bent.reach.beyond(from, to, usual, hair);
+                bent.reach.lookAt(from);
                 const auto [seems, seemsLimb] = bent.reach.glance().beyond(from, to, usual, hair);
                 ASSERT_TRUE(is && isLimb && seems && seemsLimb);
                 EXPECT_LT((*seems->bends - *is->bends).norm(), 0.3 * thickness);

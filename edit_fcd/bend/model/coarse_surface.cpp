@@ -14,12 +14,15 @@ namespace {
 // Cells that a surface meets, times the area of a cell's side, over the surface's area: 1.5 for an oblique plane.
 const double cellsOfArea = 1.5;
 
-/// Numbers the clusters, in the order of their first nodes. \return number of clusters
-Index findClusters(const SurfaceGraph &fine, double cell, std::vector<Index> &cluster) {
+/// Numbers the clusters, in the order of their first nodes. Nodes of \p near stay alone. \return number of clusters
+Index findClusters(const SurfaceGraph &fine, double cell, const KeptNear &near, std::vector<Index> &cluster) {
     const Index n = fine.graph.Size();
     std::vector<Eigen::Vector3i> cellOf(static_cast<std::size_t>(n));
-    for (Index u = 0; u < n; ++u)
+    std::vector<char> isKept(cellOf.size());
+    for (Index u = 0; u < n; ++u) {
         cellOf[std::size_t(u)] = (fine.graph.position.col(u).cast<double>() / cell).array().floor().cast<int>();
+        isKept[std::size_t(u)] = near.holds(fine.graph.position.col(u));
+    }
     std::vector<Index> parent(cellOf.size()); // the first node of each cluster is its root
     std::iota(parent.begin(), parent.end(), Index(0));
     const auto rootOf = [&](Index u) {
@@ -29,7 +32,8 @@ Index findClusters(const SurfaceGraph &fine, double cell, std::vector<Index> &cl
     };
     for (Index u = 0; u < n; ++u)
         for (const Index v : fine.graph.adjacency[u])
-            if (v < u && cellOf[std::size_t(u)] == cellOf[std::size_t(v)]) {
+            if (v < u && !isKept[std::size_t(u)] && !isKept[std::size_t(v)] &&
+                cellOf[std::size_t(u)] == cellOf[std::size_t(v)]) {
                 const Index a = rootOf(u), b = rootOf(v);
                 parent[std::size_t(std::max(a, b))] = std::min(a, b);
             }
@@ -42,8 +46,7 @@ Index findClusters(const SurfaceGraph &fine, double cell, std::vector<Index> &cl
     return count;
 }
 
-/// Joins each node with the neighbours of its neighbours, too: otherwise paths zigzag between the middles of clusters,
-/// and are a fifth too long.
+/// Joins each node with the neighbours of its neighbours, too.
 vcg::fcd::Csr withNext(const vcg::fcd::Csr &beside) {
     vcg::fcd::Csr all;
     std::vector<Index> near;
@@ -63,12 +66,12 @@ vcg::fcd::Csr withNext(const vcg::fcd::Csr &beside) {
 
 } // namespace
 
-std::unique_ptr<SurfaceGraph> coarseOf(const SurfaceGraph &fine, Index most) {
+std::unique_ptr<SurfaceGraph> coarseOf(const SurfaceGraph &fine, Index most, bool joinsNext, const KeptNear &near) {
     const Index n = fine.graph.Size();
     if (n <= most || !(fine.area > 0))
         return nullptr;
     std::vector<Index> cluster;
-    const Index count = findClusters(fine, std::sqrt(cellsOfArea * fine.area / most), cluster);
+    const Index count = findClusters(fine, std::sqrt(cellsOfArea * fine.area / most), near, cluster);
     auto coarse = std::make_unique<SurfaceGraph>();
     coarse->frame = fine.frame;
     coarse->area = fine.area;
@@ -76,28 +79,33 @@ std::unique_ptr<SurfaceGraph> coarseOf(const SurfaceGraph &fine, Index most) {
     coarse->graph.position = Eigen::Matrix3Xf::Zero(3, count);
     coarse->nodeArea.assign(std::size_t(count), 0);
     std::vector<float> size(std::size_t(count), 0);
-    std::vector<std::pair<Index, Index>> edges;
+    std::vector<std::uint32_t> end(std::size_t(count) + 1, 0); // of each cluster's edges; at first how many
+    const auto forEdges = [&](const auto &body) {
+        for (Index u = 0; u < n; ++u)
+            for (const Index v : fine.graph.adjacency[u])
+                if (cluster[std::size_t(v)] != cluster[std::size_t(u)])
+                    body(cluster[std::size_t(u)], cluster[std::size_t(v)]);
+    };
     for (Index u = 0; u < n; ++u) {
         const Index own = cluster[std::size_t(u)];
         coarse->graph.position.col(own) += fine.graph.position.col(u);
         coarse->nodeArea[std::size_t(own)] += fine.nodeArea[std::size_t(u)];
         ++size[std::size_t(own)];
-        for (const Index v : fine.graph.adjacency[u])
-            if (const Index other = cluster[std::size_t(v)]; other != own)
-                edges.emplace_back(own, other);
     }
     for (Index c = 0; c < count; ++c)
         coarse->graph.position.col(c) /= size[std::size_t(c)];
-    std::sort(edges.begin(), edges.end());
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    forEdges([&](Index from, Index) { ++end[std::size_t(from)]; });
+    std::partial_sum(end.begin(), end.end(), end.begin());
+    std::vector<Index> others(end.back());
+    forEdges([&](Index from, Index to) { others[--end[std::size_t(from)]] = to; }); // where they begin, then
     vcg::fcd::Csr beside;
-    beside.begin.assign(std::size_t(count) + 1, 0);
-    for (const auto &[from, to] : edges) {
-        ++beside.begin[std::size_t(from) + 1];
-        beside.item.push_back(to);
+    for (Index c = 0; c < count; ++c) {
+        const auto first = others.begin() + end[std::size_t(c)], last = others.begin() + end[std::size_t(c) + 1];
+        std::sort(first, last);
+        beside.item.insert(beside.item.end(), first, std::unique(first, last));
+        beside.begin.push_back(std::uint32_t(beside.item.size()));
     }
-    std::partial_sum(beside.begin.begin(), beside.begin.end(), beside.begin.begin());
-    coarse->graph.adjacency = withNext(beside);
+    coarse->graph.adjacency = joinsNext ? withNext(beside) : std::move(beside);
     coarse->nodeOf = fine.nodeOf;
     for (Index &node : coarse->nodeOf)
         if (node >= 0)

@@ -6,9 +6,20 @@
 
 #include <memory>
 
+/// A ball in which a surface keeps its nodes, frame units.
+struct KeptNear {
+    Eigen::Vector3f middle = Eigen::Vector3f::Zero();
+    float radius = -1; ///< negative: none
+    bool holds(const Eigen::Vector3f &p) const { return (p - middle).norm() <= radius; }
+};
+
 /// A coarser surface: nodes that are connected within a cell of a grid become one, at their middle. Close parts that
-/// are not connected stay apart. Only members that BendReach reads are set. \param most about so many nodes
+/// are not connected stay apart. Only members that BendReach reads are set.
+/// \param most about so many nodes, beside those of \p near
+/// \param joinsNext joins each node with the neighbours of its neighbours, too: otherwise paths zigzag between the
+/// middles of clusters, and are a fifth too long
 /// \return null if it would not be smaller
-std::unique_ptr<vcg::fcd::SurfaceGraph> coarseOf(const vcg::fcd::SurfaceGraph &fine, vcg::fcd::Index most);
+std::unique_ptr<vcg::fcd::SurfaceGraph> coarseOf(const vcg::fcd::SurfaceGraph &fine, vcg::fcd::Index most,
+                                                 bool joinsNext, const KeptNear &near = {});
 
 #endif

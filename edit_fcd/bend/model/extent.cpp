@@ -31,9 +31,9 @@ const double nearestJoint = 0.25;
 
 /// Tells which pieces beside a ball are tips of the limb at its middle: those that a ball of half the radius cuts off,
 /// or one up to largestBall times the smallest that cuts off any. \param ball nodes, nearest first \param distances of
-/// these \param cut out: radius of that smallest ball, 0 if there is none; frame units
+/// these, frame units
 std::vector<char> BendReach::tipsOfLimb(const Pieces &pieces, const std::vector<vcg::fcd::Index> &ball,
-                                        const std::vector<double> &distances, double &cut) const {
+                                        const std::vector<double> &distances) const {
     std::vector<char> isOfLimb(pieces.area.size(), 0);
     const std::size_t none = ball.size();
     std::vector<std::size_t> placeOf(pieces.of.size(), none);
@@ -76,7 +76,6 @@ std::vector<char> BendReach::tipsOfLimb(const Pieces &pieces, const std::vector<
         if (pieces.isTip(which))
             least = std::min(least, cutAt[which]);
     most = std::max(most, largestBall * least);
-    cut = std::isfinite(least) ? least : 0;
     for (std::size_t which = 0; which < pieces.area.size(); ++which)
         isOfLimb[which] = pieces.isTip(which) && cutAt[which] <= most;
     return isOfLimb;
@@ -103,8 +102,7 @@ std::shared_ptr<BendExtent> BendReach::kept(const std::vector<std::size_t> &vert
     const std::vector<char> isInside = isAmong(ball);
     made.around = slotsOf(isInside);
     const Pieces beside = piecesBeside(isInside);
-    const std::vector<char> isOfLimb = tipsOfLimb(beside, ball, distances, made.cut);
-    made.cut *= surface->frame.scale;
+    const std::vector<char> isOfLimb = tipsOfLimb(beside, ball, distances);
     const auto tipsThat = [&](bool ofLimb) {
         std::vector<char> isIn(isInside.size());
         for (std::size_t u = 0; u < isIn.size(); ++u)
@@ -145,7 +143,7 @@ std::shared_ptr<const BendExtent> BendReach::whole(const std::vector<std::size_t
 }
 
 double BendReach::radiusAt(std::size_t slot, double usual) {
-    const double cut = extent({slot}, usual)->cut;
+    const double cut = cutAt(slot, usual);
     return cut > 0 ? radiusOfCut * cut : usual;
 }
 

@@ -17,6 +17,14 @@ const float thicker = 1.75;
 // Largest area of a limb, over that of all: as for tips, which are at most half as large as the rest.
 const float largestLimb = 1.f / 3;
 
+// Near the end of a limb, vertices towards the body are tried: the first at that fraction of the usual radius, each
+// next one so many times farther. A finger of a figure is five times as long as the first distance.
+const double nearestPart = 16, wayOff = 1.3;
+
+// Distance of the farthest one, over the radius of the ball that closes around the limb at the vertex. A limb that is
+// much thinner has no vertex beyond.
+const double farOfCut = 0.75;
+
 const int binsOfThickness = 2; // cross-sections for each thickness of a limb
 
 } // namespace
@@ -25,12 +33,35 @@ std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual,
     wait();
     if (surface->nodeOf[slot] < 0)
         return {};
+    // Near the end of a limb, nothing lies beyond the vertex. Then it may lie beyond another one, towards the body.
+    std::vector<double> distances;
+    const std::vector<vcg::fcd::Index> ball = nodesWithin({slot}, usual, &distances);
+    const auto placeOf = [&](vcg::fcd::Index u) { return surface->graph.position.col(u); };
+    const auto isNearer = [&](vcg::fcd::Index u, vcg::fcd::Index v) {
+        return (placeOf(u) - placeOf(ball.back())).squaredNorm() < (placeOf(v) - placeOf(ball.back())).squaredNorm();
+    };
+    const auto rootBeyond = [&](vcg::fcd::Index node, double within) {
+        const std::size_t before = slotOf(node);
+        const bool isBeyond = whole({before}, radiusAt(before, within), hair)->shareOf(slot) == 1;
+        return isBeyond ? rootBefore(before, within, hair) : std::nullopt;
+    };
+    const double cut = cutAt(slot, usual), most = cut > 0 ? farOfCut * cut : usual / 2;
+    for (double far = usual / nearestPart; far < most; far *= wayOff) {
+        const auto first = [&](double distance) {
+            const auto found = std::lower_bound(distances.begin(), distances.end(), distance / surface->frame.scale);
+            return ball.begin() + (found - distances.begin());
+        };
+        const auto begin = first(far), end = first(wayOff * far);
+        if (begin == end)
+            continue;
+        const vcg::fcd::Index before = *std::min_element(begin, end, isNearer);
+        if (cutAt(slotOf(before), 2 * far) > 0)
+            if (const auto root = rootBeyond(before, 2 * far))
+                return root;
+    }
     if (const auto root = rootBefore(slot, usual, hair))
         return root;
-    // Near the end of a limb, nothing lies beyond the vertex. Then try the farthest vertex within the radius.
-    const std::size_t before = slotOf(nodesWithin({slot}, usual).back());
-    const bool isBeyond = whole({before}, radiusAt(before, usual), hair)->shareOf(slot) == 1;
-    return isBeyond ? rootBefore(before, usual, hair) : std::nullopt;
+    return rootBeyond(ball.back(), usual);
 }
 
 /// The same, if something of the limb lies beyond the vertex.
@@ -132,7 +163,7 @@ std::pair<std::shared_ptr<const BendExtent>, bool> BendReach::beyond(std::size_t
     const double length = scale * left[std::size_t(first)], least = radiusAt(from, usual);
     if (length == 0 || length == none)
         return {};
-    const bool isLimb = extent({from}, usual)->cut > 0; // then the radius is twice its thickness
+    const bool isLimb = cutAt(from, usual) > 0; // then the radius is twice its thickness
     const auto placeOf = [&](vcg::fcd::Index u) { return surface->graph.position.col(u).cast<double>(); };
     std::shared_ptr<const BendExtent> found;
     double radius = isLimb ? least : none;

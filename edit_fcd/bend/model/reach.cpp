@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/model/reach.h"
 
-#include "edit_fcd/bend/model/coarse_surface.h"
-
 #include <vcg_ext/surface/surface_reach.h>
 
 #include <algorithm>
@@ -17,6 +15,12 @@ namespace {
 // cells thick.
 const vcg::fcd::Index glanceNodes = 16000;
 
+// Nodes of the surface that the coarse one is made of: a finger of a figure is about four cells thick.
+const vcg::fcd::Index middleNodes = 130000;
+
+// Radius of the part that keeps its nodes, over the diagonal: a figure's hand is so long.
+const float nearPlace = 0.075f;
+
 } // namespace
 
 void BendReach::begin() {
@@ -26,8 +30,8 @@ void BendReach::begin() {
     pending = std::async(std::launch::async, [arrays = arrays, metric = metric] {
         auto read =
             std::make_unique<vcg::fcd::SurfaceGraph>(vcg::fcd::BuildSurfaceGraph(arrays->View(), nullptr, {}, metric));
-        auto coarse = coarseOf(*read, glanceNodes);
-        return Surfaces{std::move(read), std::move(coarse), std::make_unique<VertexFaces>(arrays)};
+        auto middle = coarseOf(*read, middleNodes, false);
+        return Surfaces{std::move(read), std::move(middle), std::make_unique<VertexFaces>(arrays)};
     });
 }
 
@@ -41,6 +45,24 @@ const VertexFaces *BendReach::faces() {
     return facesOfVertices.get();
 }
 
+void BendReach::lookAt(std::size_t slot) {
+    wait();
+    const vcg::fcd::Graph &graph = surface->graph;
+    const vcg::fcd::Index own = surface->nodeOf[slot];
+    if (graph.Size() <= glanceNodes || own < 0)
+        return;
+    const Eigen::Vector3f at = graph.position.col(own);
+    if (coarse && (at - near.middle).norm() < near.radius / 2)
+        return;
+    if (!coarse)
+        near.radius = nearPlace * (graph.position.rowwise().maxCoeff() - graph.position.rowwise().minCoeff()).norm();
+    near.middle = at;
+    auto made = coarseOf(middle ? *middle : *surface, glanceNodes, true, near);
+    coarse = std::make_unique<BendReach>(source);
+    coarse->take(std::move(made));
+    coarse->mostExtents = 2; // with two radii
+}
+
 BendReach &BendReach::glance() {
     wait();
     return coarse ? *coarse : *this;
@@ -50,6 +72,7 @@ void BendReach::clear() {
     pending = {};
     surface.reset();
     facesOfVertices.reset();
+    middle.reset();
     coarse.reset();
     from.clear();
     reached.clear();
@@ -163,11 +186,7 @@ void BendReach::wait() {
     Surfaces read = pending.get();
     take(std::move(read.fine));
     facesOfVertices = std::move(read.faces);
-    if (!read.coarse)
-        return;
-    coarse = std::make_unique<BendReach>(source);
-    coarse->take(std::move(read.coarse));
-    coarse->mostExtents = 2; // with two radii
+    middle = std::move(read.middle);
 }
 
 void BendReach::take(std::unique_ptr<vcg::fcd::SurfaceGraph> read) {

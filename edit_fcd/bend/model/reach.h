@@ -2,6 +2,7 @@
 #ifndef FCD_BEND_REACH_H
 #define FCD_BEND_REACH_H
 
+#include "edit_fcd/bend/model/coarse_surface.h"
 #include "edit_fcd/bend/model/vertex_faces.h"
 
 #include <vcg_ext/surface/surface_graph.h>
@@ -19,7 +20,6 @@
 struct BendExtent {
     std::vector<std::size_t> vertices; ///< of the handle
     double radius = 0;
-    double cut = 0; ///< radius of the smallest ball that cuts off a tip of the limb; 0: it is on no limb
     std::vector<std::size_t> around; ///< within the radius
     std::vector<float>
         share; ///< of each of these, how much it moves with the handle: 0 beside what stays, 1 at the core
@@ -47,7 +47,10 @@ class BendReach {
     void begin();
     void clear();
     bool isRead() const; ///< no question would wait
-    /// The same on a coarser surface: a few milliseconds for each question, for what is shown while the mouse moves.
+    /// Gives glance() all detail near a vertex, where it would miss a finger. Takes some milliseconds.
+    void lookAt(std::size_t slot);
+    /// The same on a surface that is coarser away from there: a few milliseconds for each question, for what is shown
+    /// while the mouse moves.
     BendReach &glance();
 
     /// The faces of each vertex, null while the surface is being read.
@@ -97,6 +100,9 @@ class BendReach {
 
   private:
     void wait();
+    /// Radius of the smallest ball around a vertex that closes around its limb, world units; 0: the vertex is on no
+    /// limb, or near its end. \param usual the largest radius
+    double cutAt(std::size_t slot, double usual);
     std::optional<std::size_t> rootBefore(std::size_t slot, double usual, double hair);
     void take(std::unique_ptr<vcg::fcd::SurfaceGraph> read);
     struct Pieces {
@@ -107,7 +113,7 @@ class BendReach {
     };
     Pieces piecesBeside(const std::vector<char> &isIn) const;
     std::vector<char> tipsOfLimb(const Pieces &pieces, const std::vector<vcg::fcd::Index> &ball,
-                                 const std::vector<double> &distances, double &cut) const;
+                                 const std::vector<double> &distances) const;
     void findShares(BendExtent &made) const;
     std::size_t slotOf(vcg::fcd::Index node) const;
     vcg::fcd::Index along(vcg::fcd::Index from, double ahead, const std::vector<double> &left) const;
@@ -122,10 +128,12 @@ class BendReach {
 
     Source source;
     std::unique_ptr<vcg::fcd::SurfaceGraph> surface;
-    std::unique_ptr<VertexFaces> facesOfVertices; ///< of the fine surface
-    std::unique_ptr<BendReach> coarse;            ///< null: the surface has few nodes
+    std::unique_ptr<VertexFaces> facesOfVertices;   ///< of the fine surface
+    std::unique_ptr<vcg::fcd::SurfaceGraph> middle; ///< the coarse one is made of it; null: of the surface
+    std::unique_ptr<BendReach> coarse;              ///< null: the surface has few nodes, or lookAt() was not called
+    KeptNear near;                                  ///< of the coarse one
     struct Surfaces {
-        std::unique_ptr<vcg::fcd::SurfaceGraph> fine, coarse;
+        std::unique_ptr<vcg::fcd::SurfaceGraph> fine, middle;
         std::unique_ptr<VertexFaces> faces;
     };
     std::future<Surfaces> pending;              ///< valid while the surface is being read

@@ -15,6 +15,14 @@
 using vcg::fcd::Error;
 using vcg::fcd::ParallelFor;
 
+namespace {
+
+// Of the radius of a limb that was turned: a limb with a smaller one turns by itself, as a finger of an arm and a foot
+// do, and a forearm does not.
+const double thinLimb = 0.5;
+
+} // namespace
+
 BendSession::BendSession(MeshDocument &document, MeshModel &layer)
     : document(document), layer(layer), rest(layer), reach([this] {
           readSurface();
@@ -208,6 +216,12 @@ std::shared_ptr<const BendExtent> BendSession::glimpse(std::size_t slot, double 
     reach.begin();
     if (!reach.isRead())
         return nullptr;
+    reach.lookAt(slot);
+    return glimpseAt(slot, usual);
+}
+
+/// The same by what was looked at last.
+std::shared_ptr<const BendExtent> BendSession::glimpseAt(std::size_t slot, double usual) {
     const double hair = usualGap(rest.diagonal());
     BendReach &glance = reach.glance();
     if (const std::size_t carrier = glance.carrierOf(slot, hair); canBecomePoint(data, carrier))
@@ -262,6 +276,16 @@ std::optional<std::size_t> BendSession::newLimb(std::size_t slot, double usual) 
     return root;
 }
 
+/// The handle of the limb that a vertex is on, else where a new one would be, if it is on a limb.
+std::pair<int, std::optional<std::size_t>> BendSession::limbOf(std::size_t slot, double usual) {
+    reach.lookAt(slot);
+    const int found = turnedLimb(slot);
+    const std::optional<std::size_t> root = newLimb(slot, usual);
+    if (found && !(root && reach.glance().radiusAt(*root, usual) < thinLimb * radiusOf(data, found)))
+        return {found, {}};
+    return {0, root};
+}
+
 std::pair<int, std::shared_ptr<const BendExtent>> BendSession::glimpseLimb(int tag, std::optional<std::size_t> slot,
                                                                            double usual) {
     if (const auto point = state().points.find(tag); point != state().points.end())
@@ -269,18 +293,14 @@ std::pair<int, std::shared_ptr<const BendExtent>> BendSession::glimpseLimb(int t
     reach.begin();
     if (!slot || !reach.isRead())
         return {0, nullptr};
-    if (const int found = turnedLimb(*slot))
-        return {found, glimpseOf(found)};
-    const std::optional<std::size_t> root = newLimb(*slot, usual);
-    return {0, root ? glimpse(*root, usual) : nullptr};
+    const auto [found, root] = limbOf(*slot, usual);
+    return {found, found ? glimpseOf(found) : root ? glimpseAt(*root, usual) : nullptr};
 }
 
 int BendSession::limbAt(std::size_t slot, double usual) {
-    if (const int found = turnedLimb(slot))
+    const auto [found, root] = limbOf(slot, usual);
+    if (found || !root)
         return found;
-    const std::optional<std::size_t> root = newLimb(slot, usual);
-    if (!root)
-        return 0;
     const int tag = addPoint(*root, usual);
     makeGrip(tag);
     return tag;

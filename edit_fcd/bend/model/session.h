@@ -239,6 +239,8 @@ class BendSession {
     std::vector<vcg::fcd::MotionStep> stepsSeen(int tag) const;
     int turnedLimb(std::size_t slot) const;
     std::optional<std::size_t> newLimb(std::size_t slot, double usual);
+    std::pair<int, std::optional<std::size_t>> limbOf(std::size_t slot, double usual);
+    std::shared_ptr<const BendExtent> glimpseAt(std::size_t slot, double usual);
     int addAt(std::size_t slot, double radius);
     Turned turnedBy(BendReach &from, const BendStroke &stroke, double usual) const;
     std::optional<std::size_t> mirroredSlot(std::size_t slot) const;

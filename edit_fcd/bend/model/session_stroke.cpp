@@ -24,7 +24,10 @@ BendSession::Turned BendSession::turnedBy(BendReach &from, const BendStroke &str
 
 BendSession::Turned BendSession::glimpseStroke(const BendStroke &stroke, double usual) {
     reach.begin();
-    return reach.isRead() ? turnedBy(reach.glance(), stroke, usual) : Turned();
+    if (!reach.isRead())
+        return {};
+    reach.lookAt(stroke.from);
+    return turnedBy(reach.glance(), stroke, usual);
 }
 
 int BendSession::strokeAt(const BendStroke &stroke, double usual) {
