@@ -17,8 +17,8 @@ using vcg::fcd::ParallelFor;
 
 namespace {
 
-// Of the radius of a limb that was turned: a limb with a smaller one turns by itself, as a finger of an arm and a foot
-// do, and a forearm does not.
+// Radius of a limb that turns by itself, over that of the limb that was turned and has it, at most: for a finger and an
+// arm, it is less; for a forearm, more.
 const double thinLimb = 0.5;
 
 } // namespace
@@ -253,13 +253,13 @@ int BendSession::turnedLimb(std::size_t slot) const {
     int found = 0;
     std::size_t least = 0;
     for (const auto &[tag, extent] : data.influence.extents) {
-        const std::vector<std::size_t> &beyond = extent->beyond;
-        const bool isOn =
-            data.state.points.count(tag) > 0 && (data.state.points.at(tag).slot == slot || tags()[slot] == tag ||
-                                                 std::binary_search(beyond.begin(), beyond.end(), slot));
-        if (isOn && jointOf(data, tag) && !handleOf(state(), tag).isLocked && (!found || beyond.size() < least)) {
+        // Around the limb, also what is farther from the handle than its core turns with it.
+        const bool isOn = data.state.points.count(tag) > 0 &&
+                          (data.state.points.at(tag).slot == slot || tags()[slot] == tag || extent->shareOf(slot) == 1);
+        const std::size_t size = extent->beyond.size();
+        if (isOn && jointOf(data, tag) && !handleOf(state(), tag).isLocked && (!found || size < least)) {
             found = tag;
-            least = beyond.size();
+            least = size;
         }
     }
     return found;
