@@ -49,16 +49,20 @@ Index findClusters(const SurfaceGraph &fine, double cell, const KeptNear &near, 
 /// Joins each node with the neighbours of its neighbours, too.
 vcg::fcd::Csr withNext(const vcg::fcd::Csr &beside) {
     vcg::fcd::Csr all;
-    std::vector<Index> near;
+    std::vector<Index> joined(std::size_t(beside.Size()), -1); // with which node it was last
     for (Index u = 0; u < beside.Size(); ++u) {
-        near.assign(beside[u].begin(), beside[u].end());
-        for (const Index v : beside[u])
-            near.insert(near.end(), beside[v].begin(), beside[v].end());
-        std::sort(near.begin(), near.end());
-        near.erase(std::unique(near.begin(), near.end()), near.end());
-        for (const Index v : near)
-            if (v != u)
+        const auto first = std::ptrdiff_t(all.item.size());
+        joined[std::size_t(u)] = u;
+        const auto join = [&](Index v) {
+            if (std::exchange(joined[std::size_t(v)], u) != u)
                 all.item.push_back(v);
+        };
+        for (const Index v : beside[u]) {
+            join(v);
+            for (const Index w : beside[v])
+                join(w);
+        }
+        std::sort(all.item.begin() + first, all.item.end());
         all.begin.push_back(std::uint32_t(all.item.size()));
     }
     return all;

@@ -21,6 +21,10 @@ const float largestLimb = 1.f / 3;
 // next one so many times farther. A finger of a figure is five times as long as the first distance.
 const double nearestPart = 16, wayOff = 1.3;
 
+// From that fraction on, they take time, and are tried only if the ring with them is not flat: if its area is less than
+// so much of a flat one's. That around the end of a limb has a third of it, at twice the limb's thickness.
+const double quickPart = 6, leastFlat = 0.8;
+
 // Distance of the farthest one, over the radius of the ball that closes around the limb at the vertex. A limb that is
 // much thinner has no vertex beyond.
 const double farOfCut = 0.75;
@@ -45,14 +49,21 @@ std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual,
         const bool isBeyond = whole({before}, radiusAt(before, within), hair)->shareOf(slot) == 1;
         return isBeyond ? rootBefore(before, within, hair) : std::nullopt;
     };
-    const double cut = cutAt(slot, usual), most = cut > 0 ? farOfCut * cut : usual / 2;
+    const double cut = cutAt(slot, usual), most = cut > 0 ? farOfCut * cut : usual / 4;
     for (double far = usual / nearestPart; far < most; far *= wayOff) {
         const auto first = [&](double distance) {
             const auto found = std::lower_bound(distances.begin(), distances.end(), distance / surface->frame.scale);
             return ball.begin() + (found - distances.begin());
         };
         const auto begin = first(far), end = first(wayOff * far);
-        if (begin == end)
+        const auto isFlat = [&] {
+            double area = 0;
+            for (auto u = begin; u != end; ++u)
+                area += surface->nodeArea[std::size_t(*u)];
+            const double unit = far / surface->frame.scale;
+            return area > leastFlat * EIGEN_PI * (wayOff * wayOff - 1) * unit * unit;
+        };
+        if (begin == end || (far > usual / quickPart && isFlat()))
             continue;
         const vcg::fcd::Index before = *std::min_element(begin, end, isNearer);
         if (cutAt(slotOf(before), 2 * far) > 0)

@@ -11,12 +11,12 @@
 
 namespace {
 
-// Nodes of the coarse surface: the extent of a handle takes about 2 ms, and a limb of 10 % of the diagonal is about ten
-// cells thick.
-const vcg::fcd::Index glanceNodes = 16000;
+// Nodes of the coarse surface: the extent of a handle takes about 2 ms, and a limb of 10 % of the diagonal is about
+// seven cells thick.
+const vcg::fcd::Index glanceNodes = 8000;
 
-// Nodes of the surface that the coarse one is made of: a finger of a figure is about four cells thick.
-const vcg::fcd::Index middleNodes = 130000;
+// Nodes of the surface that the coarse one is made of: a finger of a figure is about three cells thick.
+const vcg::fcd::Index middleNodes = 60000;
 
 // Radius of the part that keeps its nodes, over the diagonal: a figure's hand is so long.
 const float nearPlace = 0.075f;
