@@ -1109,14 +1109,18 @@ def test_a_limb_follows_the_mouse(window, tmp_path):
 def test_a_finger_turns_by_itself(window, tmp_path):
     """Also where the arm that has it was turned before."""
     points, faces = tube_of(np.linspace(-1, 1, 200), 32, 1)
-    points[:, 1:] *= np.interp(points[:, 0], [0, 0.05, 0.72, 0.75], [0.24, 0.08, 0.08, 0.02])[:, None] # body, arm, finger
+    points[:, 1:] *= np.interp(points[:, 0], [0, 0.05, 0.72, 0.75], [0.24, 0.08, 0.08, 0.03])[:, None] # body, arm, finger
     w = window(write_ply(tmp_path / "figure.ply", points.astype(np.float32), faces))
     w.start_tool(mode=None)
     said = lambda: w.text().rpartition("trace: says: ")[2]
-    place = lambda p: (X + round(285 * p[0]), Y - round(285 * p[1])) # pixels a unit
+
+    def place(p):
+        pixels = 285 * 1.95 / (2.03 - p[2]) # a unit: the camera is 2.03 away
+        return X + round(pixels * p[0]), Y - round(pixels * p[1])
+
     arm, finger = (points[:, 0] > 0.4) & (points[:, 0] < 0.7), points[:, 0] > 0.9
     tip = np.flatnonzero(finger & (points[:, 0] < 0.95) & (points[:, 2] > 0))
-    w.drag(place([0.4, 0]), place([0.4, 0.1]))
+    w.drag(place([0.4, 0, 0.08]), place([0.4, 0.1, 0.08]))
     assert "Handle 2: turn the limb by" in w.text()
     turned = load(w.save("turned.ply"))[0]
     assert 10 < turned_by(points[arm], turned[arm]) < 35 and abs(turned_by(points[arm], turned[arm]) - turned_by(points[finger], turned[finger])) < 1
@@ -1126,7 +1130,7 @@ def test_a_finger_turns_by_itself(window, tmp_path):
     assert "Handle 3: turn the limb by" in w.text()
     bent = load(w.save("bent.ply"))[0]
     assert np.abs(bent[arm] - turned[arm]).max() < 1e-3 and turned_by(turned[finger], bent[finger]) > 15
-    w.drag(place([0.4, 0.1]), place([0.4, 0])) # the arm, by its own handle, with the finger as it is bent
+    w.drag(place([0.4, 0.1, 0.08]), place([0.4, 0, 0.08])) # the arm, by its own handle, with the finger as it is bent
     back = load(w.save("back.ply"))[0]
     assert said().startswith("Handle 2") or "Handle 4" not in w.text()
     assert turned_by(points[arm], back[arm]) < 8 and abs(turned_by(turned[finger], bent[finger]) - turned_by(points[finger], back[finger])) < 8
