@@ -450,7 +450,7 @@ def test_few_points(points):
         with pytest.raises(ValueError, match="There is nothing to fit: the surface has no vertices"):
             fit(VERTICES[:0], None, TARGET, TARGET_FACES)
     elif points == 1:
-        with pytest.raises(ValueError, match="nothing of the surface has a counterpart"):
+        with pytest.raises(ValueError, match="what is free are single vertices"):
             fit(VERTICES[:1], None, TARGET, TARGET_FACES)
     else:
         assert np.isfinite(fit(VERTICES[:points], None, TARGET, TARGET_FACES).vertices).all()
