@@ -48,6 +48,7 @@ double SizeOfMost(const SurfaceView &surface) {
         return 0;
     const auto median = [&](const auto &of) {
         std::vector<double> number;
+        number.reserve(place.size());
         for (const Eigen::Vector3d &p : place)
             number.push_back(of(p));
         const auto middle = number.begin() + std::ptrdiff_t(number.size() / 2);
