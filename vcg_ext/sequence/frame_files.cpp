@@ -59,8 +59,10 @@ std::vector<float> SingleTimes(const std::vector<double> &time, const std::strin
 
 namespace {
 
-/// Takes numbers of 4 bytes, and passes them on with the first byte last.
-WriteAt Swapped(WriteAt write) {
+/// What takes numbers of 4 bytes and passes them on in the order of a format's bytes.
+WriteAt InOrder(WriteAt write, PointCacheFile::Format format) {
+    if (format == PointCacheFile::Pc2)
+        return write;
     return [write = std::move(write)](std::uint64_t at, const char *data, std::size_t size) {
         std::string swapped(data, size);
         for (auto each = swapped.begin(); each != swapped.end(); each += 4)
@@ -73,7 +75,7 @@ WriteAt Swapped(WriteAt write) {
 
 PointCacheFile::PointCacheFile(WriteAt given, const PackedSurface &surface, const std::vector<double> &time,
                                double rate, Format format)
-    : write(format == Mdd ? Swapped(std::move(given)) : std::move(given)), surface(surface) {
+    : write(InOrder(std::move(given), format)), surface(surface) {
     const auto put = [&](auto number) {
         static_assert(sizeof number == 4);
         write(at, reinterpret_cast<const char *>(&number), 4);

@@ -143,7 +143,7 @@ std::shared_ptr<const BendExtent> BendReach::whole(const std::vector<std::size_t
 }
 
 double BendReach::radiusAt(std::size_t slot, double usual) {
-    const double cut = cutAt(slot, usual);
+    const double cut = closingRadius(slot, usual);
     return cut > 0 ? radiusOfCut * cut : usual;
 }
 

@@ -35,7 +35,7 @@ struct Part {
 
 } // namespace
 
-double BendReach::cutAt(std::size_t slot, double usual) {
+double BendReach::closingRadius(std::size_t slot, double usual) {
     wait();
     const vcg::fcd::Graph &graph = surface->graph;
     std::vector<double> distances;
@@ -76,11 +76,11 @@ double BendReach::cutAt(std::size_t slot, double usual) {
         std::size_t own = pieces + k;
         part[own] = {distances[k], surface->nodeArea[std::size_t(ball[k])], false};
         for (const vcg::fcd::Index v : graph.adjacency[ball[k]]) {
-            const int piece = beside.of[std::size_t(v)];
+            const int number = beside.of[std::size_t(v)];
             const std::size_t place = placeOf[std::size_t(v)];
-            if (piece < 0 && (place == none || place < k))
+            if (number < 0 && (place == none || place < k))
                 continue; // still in the ball
-            std::size_t other = rootOf(piece < 0 ? pieces + place : std::size_t(piece));
+            std::size_t other = rootOf(number < 0 ? pieces + place : std::size_t(number));
             if (other == own)
                 continue;
             const auto rank = [&](std::size_t p) { return std::pair(part[p].isRest, part[p].reach); };

@@ -49,24 +49,27 @@ std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual,
         const bool isBeyond = whole({before}, radiusAt(before, within), hair)->shareOf(slot) == 1;
         return isBeyond ? rootBefore(before, within, hair) : std::nullopt;
     };
-    const double cut = cutAt(slot, usual), most = cut > 0 ? farOfCut * cut : usual / 4;
-    for (double far = usual / nearestPart; far < most; far *= wayOff) {
+    const double cut = closingRadius(slot, usual), most = cut > 0 ? farOfCut * cut : usual / 4;
+    double next = usual / nearestPart;
+    while (next < most) {
+        const double far = next;
+        next *= wayOff;
         const auto first = [&](double distance) {
             const auto found = std::lower_bound(distances.begin(), distances.end(), distance / surface->frame.scale);
             return ball.begin() + (found - distances.begin());
         };
-        const auto begin = first(far), end = first(wayOff * far);
+        const auto nearest = first(far), farthest = first(wayOff * far);
         const auto isFlat = [&] {
             double area = 0;
-            for (auto u = begin; u != end; ++u)
+            for (auto u = nearest; u != farthest; ++u)
                 area += surface->nodeArea[std::size_t(*u)];
             const double unit = far / surface->frame.scale;
             return area > leastFlat * EIGEN_PI * (wayOff * wayOff - 1) * unit * unit;
         };
-        if (begin == end || (far > usual / quickPart && isFlat()))
+        if (nearest == farthest || (far > usual / quickPart && isFlat()))
             continue;
-        const vcg::fcd::Index before = *std::min_element(begin, end, isNearer);
-        if (cutAt(slotOf(before), 2 * far) > 0)
+        const vcg::fcd::Index before = *std::min_element(nearest, farthest, isNearer);
+        if (closingRadius(slotOf(before), 2 * far) > 0)
             if (const auto root = rootBeyond(before, 2 * far))
                 return root;
     }
@@ -174,7 +177,7 @@ std::pair<std::shared_ptr<const BendExtent>, bool> BendReach::beyond(std::size_t
     const double length = scale * left[std::size_t(first)], least = radiusAt(from, usual);
     if (length == 0 || length == none)
         return {};
-    const bool isLimb = cutAt(from, usual) > 0; // then the radius is twice its thickness
+    const bool isLimb = closingRadius(from, usual) > 0; // then the radius is twice its thickness
     const auto placeOf = [&](vcg::fcd::Index u) { return surface->graph.position.col(u).cast<double>(); };
     std::shared_ptr<const BendExtent> found;
     double radius = isLimb ? least : none;

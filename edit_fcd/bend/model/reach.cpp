@@ -52,12 +52,12 @@ void BendReach::lookAt(std::size_t slot) {
     if (graph.Size() <= glanceNodes || own < 0)
         return;
     const Eigen::Vector3f at = graph.position.col(own);
-    if (coarse && (at - near.middle).norm() < near.radius / 2)
+    if (coarse && (at - detail.middle).norm() < detail.radius / 2)
         return;
     if (!coarse)
-        near.radius = nearPlace * (graph.position.rowwise().maxCoeff() - graph.position.rowwise().minCoeff()).norm();
-    near.middle = at;
-    auto made = coarseOf(middle ? *middle : *surface, glanceNodes, true, near);
+        detail.radius = nearPlace * (graph.position.rowwise().maxCoeff() - graph.position.rowwise().minCoeff()).norm();
+    detail.middle = at;
+    auto made = coarseOf(middle ? *middle : *surface, glanceNodes, true, detail);
     coarse = std::make_unique<BendReach>(source);
     coarse->take(std::move(made));
     coarse->mostExtents = 2; // with two radii

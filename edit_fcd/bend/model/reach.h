@@ -102,7 +102,7 @@ class BendReach {
     void wait();
     /// Radius of the smallest ball around a vertex that closes around its limb, world units; 0: the vertex is on no
     /// limb, or near its end. \param usual the largest radius
-    double cutAt(std::size_t slot, double usual);
+    double closingRadius(std::size_t slot, double usual);
     std::optional<std::size_t> rootBefore(std::size_t slot, double usual, double hair);
     void take(std::unique_ptr<vcg::fcd::SurfaceGraph> read);
     struct Pieces {
@@ -131,7 +131,7 @@ class BendReach {
     std::unique_ptr<VertexFaces> facesOfVertices;   ///< of the fine surface
     std::unique_ptr<vcg::fcd::SurfaceGraph> middle; ///< the coarse one is made of it; null: of the surface
     std::unique_ptr<BendReach> coarse;              ///< null: the surface has few nodes, or lookAt() was not called
-    KeptNear near;                                  ///< of the coarse one
+    KeptNear detail;                                ///< of the coarse one
     struct Surfaces {
         std::unique_ptr<vcg::fcd::SurfaceGraph> fine, middle;
         std::unique_ptr<VertexFaces> faces;
