@@ -264,6 +264,17 @@ TEST(BendModel, AFingerIsALimbOfItsOwn) {
     EXPECT_FALSE(bent.reach.rootOfLimb(bent.nearest({-0.5, 0, 0.24}), usual, 0.01));
 }
 
+TEST(BendModel, ALineHasNoCoarserSurface) {
+    Shape line = Limb(0.08, 700, {0, 0, 0}, 1, 16);
+    for (std::size_t i = 0; i < line.position.size(); ++i)
+        line.position[i] = {2.0 * double(i) / double(line.position.size()) - 1, 0, 0};
+    Bent bent(line);
+    const std::size_t slot = bent.nearest({0.5, 0, 0});
+    bent.reach.lookAt(slot);
+    EXPECT_EQ(&bent.reach.glance(), &bent.reach);
+    EXPECT_FALSE(bent.reach.rootOfLimb(slot, 0.3, 0.01));
+}
+
 TEST(BendModel, AStrokeGivesTheJointAndWhatLiesBeyond) {
     // A limb 0.16 thick on a body three times as thick, at an angle; also with many vertices, for the preview.
     const Eigen::AngleAxisd turned(0.7, Eigen::Vector3d(1, 2, 3).normalized());

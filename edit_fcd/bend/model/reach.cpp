@@ -58,6 +58,9 @@ void BendReach::lookAt(std::size_t slot) {
         detail.radius = nearPlace * (graph.position.rowwise().maxCoeff() - graph.position.rowwise().minCoeff()).norm();
     detail.middle = at;
     auto made = coarseOf(middle ? *middle : *surface, glanceNodes, true, detail);
+    coarse.reset();
+    if (!made) // a line, say
+        return;
     coarse = std::make_unique<BendReach>(source);
     coarse->take(std::move(made));
     coarse->mostExtents = 2; // with two radii
