@@ -3,6 +3,7 @@
 #include <vcg_ext/fit.h>
 #include <vcg_ext/fit/fit_contradictions.h>
 #include <vcg_ext/fit/fit_landmarks.h>
+#include <vcg_ext/fit/fit_matches.h>
 #include <vcg_ext/fit/fit_start.h>
 #include <vcg_ext/fit/fit_target.h>
 
@@ -47,13 +48,9 @@ double SizeOfMost(const SurfaceView &surface) {
     if (place.empty())
         return 0;
     const auto median = [&](const auto &of) {
-        std::vector<double> number;
-        number.reserve(place.size());
-        for (const Eigen::Vector3d &p : place)
-            number.push_back(of(p));
-        const auto middle = number.begin() + std::ptrdiff_t(number.size() / 2);
-        std::nth_element(number.begin(), middle, number.end());
-        return *middle;
+        std::vector<double> number(place.size());
+        std::transform(place.begin(), place.end(), number.begin(), of);
+        return Quantile(std::move(number), 0.5);
     };
     const Eigen::Vector3d center(median([](const Eigen::Vector3d &p) { return p[0]; }),
                                  median([](const Eigen::Vector3d &p) { return p[1]; }),

@@ -23,27 +23,11 @@ Index findClusters(const SurfaceGraph &fine, double cell, const KeptNear &near, 
         cellOf[std::size_t(u)] = (fine.graph.position.col(u).cast<double>() / cell).array().floor().cast<int>();
         isKept[std::size_t(u)] = near.holds(fine.graph.position.col(u));
     }
-    std::vector<Index> parent(cellOf.size()); // the first node of each cluster is its root
-    std::iota(parent.begin(), parent.end(), Index(0));
-    const auto rootOf = [&](Index u) {
-        while (parent[std::size_t(u)] != u)
-            u = parent[std::size_t(u)] = parent[std::size_t(parent[std::size_t(u)])];
-        return u;
+    const auto joins = [&](Index u, Index v) {
+        return !isKept[std::size_t(u)] && !isKept[std::size_t(v)] && cellOf[std::size_t(u)] == cellOf[std::size_t(v)];
     };
-    for (Index u = 0; u < n; ++u)
-        for (const Index v : fine.graph.adjacency[u])
-            if (v < u && !isKept[std::size_t(u)] && !isKept[std::size_t(v)] &&
-                cellOf[std::size_t(u)] == cellOf[std::size_t(v)]) {
-                const Index a = rootOf(u), b = rootOf(v);
-                parent[std::size_t(std::max(a, b))] = std::min(a, b);
-            }
-    Index count = 0;
-    cluster.resize(parent.size());
-    for (Index u = 0; u < n; ++u) {
-        const Index root = rootOf(u);
-        cluster[std::size_t(u)] = root == u ? count++ : cluster[std::size_t(root)];
-    }
-    return count;
+    return vcg::fcd::ConnectedComponents(
+        fine.graph.adjacency, [](Index) { return true; }, joins, cluster, {}, "");
 }
 
 /// Joins each node with the neighbours of its neighbours, too.
@@ -83,13 +67,6 @@ std::unique_ptr<SurfaceGraph> coarseOf(const SurfaceGraph &fine, Index most, boo
     coarse->graph.position = Eigen::Matrix3Xf::Zero(3, count);
     coarse->nodeArea.assign(std::size_t(count), 0);
     std::vector<float> size(std::size_t(count), 0);
-    std::vector<std::uint32_t> end(std::size_t(count) + 1, 0); // of each cluster's edges; at first how many
-    const auto forEdges = [&](const auto &body) {
-        for (Index u = 0; u < n; ++u)
-            for (const Index v : fine.graph.adjacency[u])
-                if (cluster[std::size_t(v)] != cluster[std::size_t(u)])
-                    body(cluster[std::size_t(u)], cluster[std::size_t(v)]);
-    };
     for (Index u = 0; u < n; ++u) {
         const Index own = cluster[std::size_t(u)];
         coarse->graph.position.col(own) += fine.graph.position.col(u);
@@ -98,17 +75,10 @@ std::unique_ptr<SurfaceGraph> coarseOf(const SurfaceGraph &fine, Index most, boo
     }
     for (Index c = 0; c < count; ++c)
         coarse->graph.position.col(c) /= size[std::size_t(c)];
-    forEdges([&](Index from, Index) { ++end[std::size_t(from)]; });
-    std::partial_sum(end.begin(), end.end(), end.begin());
-    std::vector<Index> others(end.back());
-    forEdges([&](Index from, Index to) { others[--end[std::size_t(from)]] = to; }); // where they begin, then
-    vcg::fcd::Csr beside;
-    for (Index c = 0; c < count; ++c) {
-        const auto first = others.begin() + end[std::size_t(c)], last = others.begin() + end[std::size_t(c) + 1];
-        std::sort(first, last);
-        beside.item.insert(beside.item.end(), first, std::unique(first, last));
-        beside.begin.push_back(std::uint32_t(beside.item.size()));
-    }
+    vcg::fcd::Csr beside =
+        vcg::fcd::QuotientGraph<char>(fine.graph.adjacency, cluster, count, [](Index, Index, char &) {
+            return true;
+        }).adjacency;
     coarse->graph.adjacency = joinsNext ? withNext(beside) : std::move(beside);
     coarse->nodeOf = fine.nodeOf;
     for (Index &node : coarse->nodeOf)

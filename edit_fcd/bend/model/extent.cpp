@@ -18,10 +18,6 @@ const double largestBall = 1.5;
 
 const double coreSize = 0.5; // share of the radius that moves with a handle; the other half bends
 
-// The radius on a limb, over the smallest ball that cuts off a tip. That ball reaches half around the limb, pi / 2
-// times the thickness. A radius of twice the thickness leaves a strip as wide as the limb is thick to bend.
-const double radiusOfCut = 4 / EIGEN_PI;
-
 // Least distance of a joint from its handle, over the radius. If fixed surface lies all around the handle, the middle
 // of the bending strip is at the handle. If it lies at one side, as on a limb, that middle is at least half a radius
 // away. The limit is between the two.
@@ -41,13 +37,9 @@ std::vector<char> BendReach::tipsOfLimb(const Pieces &pieces, const std::vector<
         placeOf[std::size_t(ball[k])] = k;
     // Shrinks the ball: its nodes join the pieces. Once a piece meets the largest one, a smaller ball does not cut it
     // off.
-    std::vector<std::size_t> parent(pieces.area.size() + ball.size()); // pieces, then nodes of the ball
-    std::iota(parent.begin(), parent.end(), std::size_t(0));
-    const auto rootOf = [&](std::size_t a) {
-        while (parent[a] != a)
-            a = parent[a] = parent[parent[a]];
-        return a;
-    };
+    using vcg::fcd::Index;
+    vcg::fcd::DisjointSets joined{Index(pieces.area.size() + ball.size())}; // pieces, then nodes of the ball
+    const auto areOne = [&](std::size_t a, std::size_t b) { return joined.Root(Index(a)) == joined.Root(Index(b)); };
     std::vector<double> cutAt(pieces.area.size(), 0);
     std::vector<std::size_t> left;
     for (std::size_t which = 0; which < pieces.area.size(); ++which)
@@ -58,17 +50,17 @@ std::vector<char> BendReach::tipsOfLimb(const Pieces &pieces, const std::vector<
         for (const vcg::fcd::Index v : surface->graph.adjacency[ball[k]]) {
             const auto beside = std::size_t(v);
             if (pieces.of[beside] >= 0)
-                parent[rootOf(std::size_t(pieces.of[beside]))] = rootOf(own);
+                joined.Join(pieces.of[beside], Index(own));
             else if (placeOf[beside] != none && placeOf[beside] > k)
-                parent[rootOf(pieces.area.size() + placeOf[beside])] = rootOf(own);
+                joined.Join(Index(pieces.area.size() + placeOf[beside]), Index(own));
         }
         const auto meets = [&](std::size_t which) {
-            if (rootOf(which) != rootOf(pieces.largest))
+            if (!areOne(which, pieces.largest))
                 return false;
             cutAt[which] = distances[k];
             return true;
         };
-        if (rootOf(own) == rootOf(pieces.largest))
+        if (areOne(own, pieces.largest))
             left.erase(std::remove_if(left.begin(), left.end(), meets), left.end());
     }
     double most = distances.empty() ? 0 : coreSize * distances.back(), least = std::numeric_limits<double>::infinity();
@@ -144,7 +136,7 @@ std::shared_ptr<const BendExtent> BendReach::whole(const std::vector<std::size_t
 
 double BendReach::radiusAt(std::size_t slot, double usual) {
     const double cut = closingRadius(slot, usual);
-    return cut > 0 ? radiusOfCut * cut : usual;
+    return cut > 0 ? radiusOfClosing * cut : usual;
 }
 
 /// Sets shares, bends and joint.

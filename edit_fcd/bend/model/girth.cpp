@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 
 // How thick the limb is that a vertex is on.
 
@@ -21,10 +20,6 @@ const double lengthOfGirth = 1. / 3;
 // Least area of the tip behind the ball, over the square of the ball's radius: as of a tip half as long as it is thick.
 // Anything smaller is a spike of a scan.
 const double leastArea = 0.5;
-
-// Least distance of the remotest node of the tip, over the ball's radius. Otherwise, nothing would lie beyond a handle
-// at the vertex, whose radius is so many times that of the ball.
-const double leastReach = 4 / EIGEN_PI;
 
 /// A connected part of the surface outside of a ball.
 struct Part {
@@ -48,19 +43,14 @@ double BendReach::closingRadius(std::size_t slot, double usual) {
     for (std::size_t k = 0; k < ball.size(); ++k)
         placeOf[std::size_t(ball[k])] = k;
     std::vector<Part> part(pieces + ball.size()); // the pieces beside, then a part for each node of the ball
-    std::vector<std::size_t> parent(part.size());
-    std::iota(parent.begin(), parent.end(), std::size_t(0));
+    vcg::fcd::DisjointSets joined{vcg::fcd::Index(part.size())}; // a joined part has the data of its root
     for (std::size_t p = 0; p < pieces; ++p)
         part[p] = {part[p].reach, double(beside.area[p]), !beside.isTip(p)};
-    const auto rootOf = [&](std::size_t a) {
-        while (parent[a] != a)
-            a = parent[a] = parent[parent[a]];
-        return a;
-    };
+    const auto rootOf = [&](std::size_t a) { return std::size_t(joined.Root(vcg::fcd::Index(a))); };
     const auto isLimb = [&](std::size_t which, std::size_t k) {
         const double radius = distances[k];
         if (part[which].isRest || part[which].area < leastArea * radius * radius ||
-            part[which].reach < leastReach * radius)
+            part[which].reach < radiusOfClosing * radius) // nothing would lie beyond a handle here
             return false;
         double area = 0;
         for (std::size_t i = k; i < ball.size() && distances[i] <= (1 + lengthOfGirth) * radius; ++i)
@@ -88,9 +78,11 @@ double BendReach::closingRadius(std::size_t slot, double usual) {
                 std::swap(own, other);
             if (distances[k] > 0 && distances[k] <= most && isLimb(own, k))
                 cut = distances[k];
-            parent[own] = other;
             part[other].area += part[own].area;
-            own = other;
+            const Part both = part[other];
+            joined.Join(vcg::fcd::Index(own), vcg::fcd::Index(other));
+            own = rootOf(own);
+            part[own] = both;
         }
     }
     return cut * surface->frame.scale;

@@ -44,10 +44,9 @@ std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual,
     const auto isNearer = [&](vcg::fcd::Index u, vcg::fcd::Index v) {
         return (placeOf(u) - placeOf(ball.back())).squaredNorm() < (placeOf(v) - placeOf(ball.back())).squaredNorm();
     };
-    const auto rootBeyond = [&](vcg::fcd::Index node, double within) {
-        const std::size_t before = slotOf(node);
-        const bool isBeyond = whole({before}, radiusAt(before, within), hair)->shareOf(slot) == 1;
-        return isBeyond ? rootBefore(before, within, hair) : std::nullopt;
+    const auto rootBeyond = [&](std::size_t before, double radius) {
+        const bool isBeyond = whole({before}, radius, hair)->shareOf(slot) == 1;
+        return isBeyond ? rootBefore(before, radius, hair) : std::nullopt;
     };
     const double cut = closingRadius(slot, usual), most = cut > 0 ? farOfCut * cut : usual / 4;
     double next = usual / nearestPart;
@@ -68,20 +67,20 @@ std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual,
         };
         if (nearest == farthest || (far > usual / quickPart && isFlat()))
             continue;
-        const vcg::fcd::Index before = *std::min_element(nearest, farthest, isNearer);
-        if (closingRadius(slotOf(before), 2 * far) > 0)
-            if (const auto root = rootBeyond(before, 2 * far))
+        const std::size_t before = slotOf(*std::min_element(nearest, farthest, isNearer));
+        if (const double closing = closingRadius(before, 2 * far); closing > 0)
+            if (const auto root = rootBeyond(before, radiusOfClosing * closing))
                 return root;
     }
-    if (const auto root = rootBefore(slot, usual, hair))
+    if (const auto root = rootBefore(slot, cut > 0 ? radiusOfClosing * cut : usual, hair))
         return root;
-    return rootBeyond(ball.back(), usual);
+    const std::size_t last = slotOf(ball.back());
+    return rootBeyond(last, radiusAt(last, usual));
 }
 
 /// The same, if something of the limb lies beyond the vertex.
-std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double usual, double hair) {
+std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double radius, double hair) {
     const vcg::fcd::Index own = surface->nodeOf[slot];
-    const double radius = radiusAt(slot, usual);
     const auto grip = whole({slot}, radius, hair);
     if (!grip->joint)
         return {};

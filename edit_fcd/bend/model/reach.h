@@ -103,7 +103,10 @@ class BendReach {
     /// Radius of the smallest ball around a vertex that closes around its limb, world units; 0: the vertex is on no
     /// limb, or near its end. \param usual the largest radius
     double closingRadius(std::size_t slot, double usual);
-    std::optional<std::size_t> rootBefore(std::size_t slot, double usual, double hair);
+    /// The radius of a handle on a limb, over the closing radius. That ball reaches half around the limb, pi / 2 times
+    /// the thickness. A radius of twice the thickness leaves a strip as wide as the limb is thick to bend.
+    static constexpr double radiusOfClosing = 4 / EIGEN_PI;
+    std::optional<std::size_t> rootBefore(std::size_t slot, double radius, double hair);
     void take(std::unique_ptr<vcg::fcd::SurfaceGraph> read);
     struct Pieces {
         std::vector<int> of;     ///< of each node: number of its piece, < 0: none
