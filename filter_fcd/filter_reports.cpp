@@ -210,6 +210,7 @@ HostFilterPlugin::ReturnedValues valuesOf(const StraightenedLayers &made) {
             {"new_length", report.newLength},
             {"jitter", report.jitter},
             {"middle_left", report.leftMiddle},
+            {"lengthening", report.lengthening},
             {"twist", report.twist},
             {"following_nodes", report.following},
             {"released_nodes", report.released},

@@ -136,6 +136,14 @@ std::vector<std::string> warningsOf(const StraightenedLayers &made) {
                 "through the middle, or raise line_smoothing.";
         warnings.push_back(line.str());
     }
+    if (report.isBeside) {
+        std::ostringstream line;
+        line << "The line lies to one side of the surface, which gets longer or shorter along it by "
+             << 100 * report.lengthening
+             << " % (rms). If the line was picked on the surface, tick 'Through the middle' "
+             << "(middle).";
+        warnings.push_back(line.str());
+    }
     if (made.result.check.flipped > 0)
         warnings.push_back(trianglesFlipped(std::size_t(made.result.check.flipped)) +
                            ": the surface is folded there. Lay the line through the middle, or raise "

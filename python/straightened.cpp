@@ -47,6 +47,8 @@ nb::tuple straighten(const std::shared_ptr<Prepared> &prepared, const nb::dict &
     all["new_length"] = found.newLength;
     all["jitter"] = found.jitter;
     all["left_middle"] = found.leftMiddle;
+    all["lengthening"] = found.lengthening;
+    all["is_beside"] = found.isBeside;
     all["twist"] = found.twist;
     all["following"] = found.following;
     all["released"] = found.released;

@@ -12,7 +12,7 @@ DEFAULTS = {
     "target_layer": 0, "reverse": False, "length": 0, "untwist": False, "initial_patches": 1000, "smoothness": 0.0058, "random_seed": 1,
     "graph_layers": True, "straightened_quality": 0}
 RETURNS = {
-    **SURFACE_RETURNS, "length": float, "new_length": float, "jitter": float, "middle_left": bool, "twist": float, "following_nodes": int, "released_nodes": int, "rms": float,
+    **SURFACE_RETURNS, "length": float, "new_length": float, "jitter": float, "middle_left": bool, "lengthening": float, "twist": float, "following_nodes": int, "released_nodes": int, "rms": float,
     "largest": float, "folded_triangles": int, "contact_triangles": int, "contact_depth": float, "nodes": int, "converged": bool, "seconds": float}
 LENGTH, RADIUS = 10.0, 0.6
 DIAGONAL = np.sqrt(LENGTH ** 2 + 8 * RADIUS ** 2)
@@ -108,6 +108,14 @@ def test_jitter_and_a_middle_that_is_left_are_logged(capfd, tmp_path):
     ms.add_mesh(pymeshlab.Mesh(vertex_matrix=bent(points), face_matrix=faces), "finned")
     result, log = straighten_logged(ms, capfd, line_file=line_file(tmp_path / "l.csv", bent(axis())), middle=True)
     assert result["middle_left"] and "stretched more along the line through the middles of its cross-sections" in log
+
+
+@pytest.mark.parametrize("off, middle, is_beside", [((0, RADIUS), False, False), ((RADIUS, 0), False, True), ((RADIUS, 0), True, False)])
+def test_a_line_to_one_side_is_warned_of(capfd, tmp_path, off, middle, is_beside):
+    picked = line_file(tmp_path / "l.csv", bent(axis(off=off)))  # only the first number is across the bend
+    result, log = straighten_logged(layers(bent(tube()[0])), capfd, line_file=picked, middle=middle)
+    assert ("The line lies to one side of the surface" in log) == is_beside
+    assert result["lengthening"] > 0.1 if is_beside else result["lengthening"] < 0.01
 
 
 def test_folds_are_warned_of(capfd, tmp_path):

@@ -25,7 +25,11 @@ struct StraightenReport {
     double length = 0, newLength = 0; ///< of the line, before and after, world units
     double jitter = 0;       ///< jitter of the line's points that was removed: rms in each direction, world units
     bool leftMiddle = false; ///< the line was not moved into the middle as asked, since that stretches the surface more
-    double twist = 0;        ///< of the surface about the line, from end to end, degrees; 0 if not measured
+    /// By what share cross-sections get longer or shorter along the line than the line itself, rms: 0 for a line
+    /// through their middles.
+    double lengthening = 0;
+    bool isBeside = false;             ///< it is more than 0.03, and would be less along the line through their middles
+    double twist = 0;                  ///< of the surface about the line, from end to end, degrees; 0 if not measured
     Index following = 0, released = 0; ///< nodes that move with the line; nodes that would fold or tear, and do not
     std::vector<std::pair<double, double>> releasedAt; ///< where the latter are along the line: from, to, world units
     double rms = 0, largest = 0; ///< distance of the surface from where its cross-sections move, world units

@@ -30,6 +30,10 @@ class LineInfo:
     """Jitter across the line that was removed, root mean square in one direction; 0: none."""
     left_middle: bool
     """Whether the given line was used in spite of `middle`, since the middles would stretch the surface more."""
+    lengthening: float
+    """By what share the surface gets longer or shorter along the line than the line itself, root mean square; 0 for a line through the middle."""
+    is_beside: bool
+    """Whether that is more than 0.03, and `middle` would make it less."""
     twist: float
     """Twist of the surface about the line that `untwist` removed, from end to end, in degrees; else 0."""
     following: int
@@ -158,7 +162,7 @@ def straighten(
     Warns
     -----
     DeformationWarning
-        Parts of the surface do not move with the line, the middles were not used, or flipped triangles.
+        The line lies to one side of the surface, parts of the surface do not move with it, the middles were not used, or flipped triangles.
     """
     if _meshes.is_beside_mesh(vertices, faces):
         if line is None:  # the target, if any, was given by name
@@ -203,6 +207,9 @@ def straighten(
         found.append((LineWarning, f"Beside the line at {places}{more} of its length, going with its cross-sections would fold the surface, "
                                    "or make it twice or half as long: there it follows what is around as rigidly as possible. Where that is "
                                    "not meant, lay the line through the middle (middle=True), or raise smoothing."))
+    if made.line.is_beside:
+        found.append((LineWarning, f"The line lies to one side of the surface, which gets longer or shorter along it by {100 * made.line.lengthening:.3g} % "
+                                   "(root mean square). If the line was picked on the surface, use middle=True."))
     folded = made._check(report(told, 95, 100))["folded"]
     if folded > 0:
         found.append((FoldWarning, f"{triangles_turned(folded)}: the surface is folded there. Lay the line through the middle, or raise "

@@ -509,6 +509,48 @@ TEST(Straighten, LeavesTheMiddleThatWouldStretchMore) {
     EXPECT_EQ(through.position, given.position);
 }
 
+TEST(Straighten, AFinIsNoReasonToMoveTheLine) {
+    Shape bent = Tube(100, 3, 3, 300, 64); // with a fin on the outer side of the bend, high against the body
+    for (Vector3d &p : bent.position) {
+        if (p[1] < -2.8)
+            p[1] -= 30 * std::exp(-std::pow((p[0] - 60) / 6, 2));
+        p = Bent(p, 100, 1.5);
+    }
+    LineGoal goal;
+    goal.line = BentLine(100, 1.5, 9, 0.01, 0.99);
+    const Straight given = Along(bent, goal);
+    EXPECT_GT(given.report.lengthening, 0.03);
+    EXPECT_FALSE(given.report.isBeside);
+}
+
+TEST(Straighten, TellsALineToOneSide) {
+    const double length = 100, turn = 1.5, radius = 3;
+    const Shape straight = Tube(length, radius, radius, 200, 48);
+    Shape bent = straight;
+    for (Vector3d &p : bent.position)
+        p = Bent(p, length, turn);
+    LineGoal goal;
+    goal.line = BentLine(length, turn, 9, 0, 1);
+    const Straight middle = Along(bent, goal);
+    EXPECT_LT(middle.report.lengthening, 0.005);
+    EXPECT_FALSE(middle.report.isBeside);
+    goal.line = BentLine(length, turn, 9, 0, 1, {0, radius, 0});
+    const Straight given = Along(bent, goal);
+    EXPECT_NEAR(given.report.lengthening, turn * radius / length, 0.005);
+    EXPECT_TRUE(given.report.isBeside);
+    goal.middle = true;
+    const Straight moved = Along(bent, goal);
+    EXPECT_LT(moved.report.lengthening, 0.005);
+    EXPECT_FALSE(moved.report.isBeside);
+    goal = {};
+    goal.line = Points({{0, radius, 0}, {length, radius, 0}}); // bends instead
+    goal.arc.degrees = turn * 180 / pi;
+    goal.arc.towards = {0, 1, 0};
+    const Straight arc = Along(straight, goal);
+    EXPECT_NEAR(arc.report.lengthening, turn * radius / length, 0.005);
+    EXPECT_TRUE(arc.report.isBeside);
+}
+
 TEST(Straighten, BendsAndComesBack) {
     const double length = 10;
     const Shape tube = Tube(length, 0.6, 0.6, 101, 24);
