@@ -148,9 +148,9 @@ std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, const
                               "what stays as fixed (tag 0), beside what is free.");
     if (IsInLines(surface))
         warnings.push_back(std::to_string(surface.oneSided) +
-                           " points see others along their own line alone, so that lines hang together only here and "
-                           "there. If this is a surface, thin out the points along the lines first, as with 'Point "
-                           "Cloud Simplification'.");
+                           " points have neighbours on their own scan line alone, so the lines are hardly connected. "
+                           "If this is a surface, first thin out the points along the lines, as with 'Point Cloud "
+                           "Simplification'.");
     if (surface.gaps > 3)
         warnings.push_back(
             std::to_string(surface.gaps) +

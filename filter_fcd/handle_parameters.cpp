@@ -78,10 +78,11 @@ void askMotion(Fields &fields, HandleParam &handles, Shown shown) {
     fields.matrix("TransformMatrix", handles.matrix, Shown::Advanced, "Matrix",
                   "A 4x4 affine matrix in world coordinates (last row 0 0 0 1). It moves handles before rotation and "
                   "translation. It may scale or shear.");
-    fields.layer(handleLayer, handles.likeLayer, fields.document.mm(), Shown::Advanced, "Move like layer",
-                 "Handles move as this layer lies to the one that is deformed. Duplicate the layer, put the copy where "
-                 "the handle belongs with the manipulators, and choose it here. Only its matrix counts. Matrix, "
-                 "rotation and translation come on top. <b>The deformed layer itself</b> (the default): not used.");
+    fields.layer(
+        handleLayer, handles.likeLayer, fields.document.mm(), Shown::Advanced, "Move like layer",
+        "Handles move from where the deformed layer is to where this one is. Duplicate the layer, move the copy with "
+        "the manipulators until the handle is in its place, and choose it here. Only its matrix counts. Matrix, "
+        "rotation and translation come on top. <b>The deformed layer itself</b> (the default): not used.");
     if (fields.isGiven(handleLayer) && !handles.likeLayer && fields.document.mm())
         throw Error("'handle_layer' names no layer of this document. Choose the layer that the handles move like, or, "
                     "for none, the layer that is deformed.");

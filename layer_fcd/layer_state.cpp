@@ -108,7 +108,7 @@ void leaveTo(MeshDocument &document, LayerState &gone) {
     const std::string lost = listOf(gone, gone.tool != nullptr);
     if (!lost.empty())
         host::log(document, "FCD: a layer is gone, and with it what was kept of it: " + lost +
-                                ". A layer that it was merged into has none of that.");
+                                ". If it was merged into another layer, that one has none of this.");
 }
 
 /// Makes the log tell, whenever a user saves a project, what is not in it.

@@ -119,8 +119,8 @@ std::vector<std::string> warningsOf(const StraightenedLayers &made) {
     const vcg::fcd::StraightenReport &report = made.report;
     std::vector<std::string> warnings;
     if (report.leftMiddle)
-        warnings.emplace_back("The surface would be stretched more along the line through the middles of its "
-                              "cross-sections than along the line as it is given: it goes along the given one.");
+        warnings.emplace_back("The line stays as given: through the middles of the cross-sections it would stretch the "
+                              "surface more.");
     if (report.released > 0) {
         std::ostringstream line;
         line << "Beside the line at ";
@@ -131,8 +131,8 @@ std::vector<std::string> warningsOf(const StraightenedLayers &made) {
                 line << " to " << to;
         }
         line << (report.releasedAt.size() > 5 ? ", and elsewhere" : "")
-             << " of its length, going with its cross-sections would fold the surface, or make it twice or half as "
-                "long: there it follows what is around as rigidly as possible. Where that is not meant, lay the line "
+             << " of its length, the surface follows its surroundings as rigidly as possible: cross-sections that move "
+                "with the line would fold it, or make it twice or half as long. If that is not meant, lay the line "
                 "through the middle, or raise line_smoothing.";
         warnings.push_back(line.str());
     }

@@ -116,12 +116,12 @@ ParameterText elasticText() {
 }
 
 ParameterText rigidityText() {
-    return {"Rigidity (1 rigid, 0 smooth)",
-            {},
-            "How much of the stiffness is against stretching. <b>1</b> (the default): as rigid as possible, for what "
-            "bends, as bodies do. <b>0</b>: smooth, for what is sheared, scaled or grown all over, such as one skull "
-            "fitted to another. Only a change of the map from place to place then costs, as in a thin-plate spline. "
-            "What turns far needs rigidity."};
+    return {
+        "Rigidity (1 rigid, 0 smooth)",
+        {},
+        "How strongly the surface resists stretching. <b>1</b> (the default): as rigid as possible, for what bends, "
+        "as bodies do. <b>0</b>: as smooth as possible, like a thin-plate spline, for what is sheared, scaled or "
+        "grown all over, such as one skull fitted to another. Large turns need rigidity."};
 }
 
 ParameterText weightsText() {

@@ -212,7 +212,8 @@ void RestShape::checkVertices(const std::string &remedy, const Remark &remark) {
     if (strangers == 0) {
         if (remark && !areOwn)
             remark("Something else has computed the normals of " + inQuotes(layer) +
-                   " since its last pose. They are those of the rest shape, turned, again: compute them anew.");
+                   " since its last pose. The pose has replaced them by those of the rest shape, turned: compute them "
+                   "anew.");
         return;
     }
     if (!followMove())
@@ -220,8 +221,8 @@ void RestShape::checkVertices(const std::string &remedy, const Remark &remark) {
                               " was changed since its last pose: " + std::to_string(strangers) + " of its " +
                               std::to_string(mesh.vn) + " vertices were moved or made by something else. " + remedy);
     if (remark)
-        remark("Something else has moved all of " + inQuotes(layer) +
-               " alike since its last pose (turned, scaled, or put elsewhere): its rest shape is moved so, too.");
+        remark("Something else has moved " + inQuotes(layer) +
+               " as a whole since its last pose (turned, scaled, or shifted it). Its rest shape moves along.");
 }
 
 std::uint64_t RestShape::followFaces() {

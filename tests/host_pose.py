@@ -249,7 +249,7 @@ def test_the_log_says_that_the_rest_shape_follows(capfd, filter):
     for said in True, False:
         capfd.readouterr()
         ms.apply_filter(filter)
-        assert ("Something else has moved all of 'bone.ply' alike since its last pose" in capfd.readouterr().err) == said
+        assert ("Something else has moved 'bone.ply' as a whole since its last pose" in capfd.readouterr().err) == said
 
 
 def test_who_else_computed_normals_is_told_that_a_pose_gives_those_of_the_rest_shape(capfd):

@@ -450,8 +450,8 @@ class Deformer(Unchanging):
             found.append((SlitWarning, f"{info.gaps} vertices on open borders lie closer to another border than a tenth of their edges, and "
                                        "nothing joins the two: such a slit may open. Weld the surface first, or raise weld_distance."))
         if 100 * info.one_sided > info.free:
-            found.append((ScanLineWarning, f"{info.one_sided} points see others along their own line alone, so that lines hang together only "
-                                           "here and there. If this is a surface, thin out the points along the lines first."))
+            found.append((ScanLineWarning, f"{info.one_sided} points have neighbours on their own scan line alone, so the lines are hardly "
+                                           "connected. If this is a surface, first thin out the points along the lines."))
         if info.unenclosed > 0:
             found.append((VolumeWarning, f"{info.unenclosed} connected parts of what is free enclose no volume that elastic could keep: a cloud, or a "
                                          "surface that is open where it is free. They bend as without it."))

@@ -198,15 +198,14 @@ def straighten(
     made._write(None, None, report(told, 80, 95))
     found: list[Told] = []
     if made.line.left_middle:
-        found.append((LineWarning, "The surface would be stretched more along the line through the middles of its cross-sections than along the "
-                                   "line as it is given: it goes along the given one."))
+        found.append((LineWarning, "The line stays as given: through the middles of the cross-sections it would stretch the surface more."))
     if made.line.released > 0:
         short = 1e-3 * made.line.length  # about one vertex
         places = ", ".join(f"{begin:g} to {end:g}" if end - begin > short else f"{begin:g}" for begin, end in made.line.released_at[:5])
         more = ", and elsewhere" if len(made.line.released_at) > 5 else ""
-        found.append((LineWarning, f"Beside the line at {places}{more} of its length, going with its cross-sections would fold the surface, "
-                                   "or make it twice or half as long: there it follows what is around as rigidly as possible. Where that is "
-                                   "not meant, lay the line through the middle (middle=True), or raise smoothing."))
+        found.append((LineWarning, f"Beside the line at {places}{more} of its length, the surface follows its surroundings as rigidly as "
+                                   "possible: cross-sections that move with the line would fold it, or make it twice or half as long. If that "
+                                   "is not meant, lay the line through the middle (middle=True), or raise smoothing."))
     if made.line.is_beside:
         found.append((LineWarning, f"The line lies to one side of the surface, which gets longer or shorter along it by {100 * made.line.lengthening:.3g} % "
                                    "(root mean square). If the line was picked on the surface, use middle=True."))

@@ -520,7 +520,7 @@ def test_what_is_probably_not_meant_is_told():
     with pytest.warns(fcd.NodeWarning, match="1 of the 2 nodes do not lie on the free surface"):
         Deformer(vertices, faces, tags, nodes=[vertices[700], [50, 50, 50.0]])
     y, x = (a.ravel() for a in np.meshgrid(np.arange(8.0), np.arange(1401) / 200, indexing="ij"))
-    with pytest.warns(fcd.ScanLineWarning, match="see others along their own line alone"):
+    with pytest.warns(fcd.ScanLineWarning, match="have neighbours on their own scan line alone"):
         Deformer(np.column_stack([x, y, 0 * x]), None, np.where(x < 1, 0, np.where(x > 6, 2, 1)))
     with pytest.warns(fcd.VolumeWarning, match="1 connected parts of what is free enclose no volume that elastic could keep"):
         assert Deformer(vertices, None, tags, elastic=True).info.unenclosed == 1
