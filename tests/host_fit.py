@@ -65,6 +65,9 @@ def rms(a, b):
     return 100 * np.sqrt(((a - b) ** 2).sum(1).mean()) / DIAGONAL
 
 
+FEW = {"samples": 600, "graph_layers": False}  # where the fit itself is not what is asked for
+
+
 def fit(ms, **parameters):
     """(returned values, positions of the result)"""
     result = ms.apply_filter(FIT, **{"target_layer": 0, **parameters})
@@ -107,12 +110,12 @@ def test_what_a_fit_is_worth_is_logged(capfd, tmp_path):
 def test_a_fit_is_fitted_again_whatever_was_measured_of_it(capfd, quality):
     """A quality that a fit has measured is no tags, also where its numbers are whole."""
     ms, _ = pair()
-    fit(ms, fit_quality=quality, graph_layers=False)
+    fit(ms, **FEW, fit_quality=quality)
     again = ms.current_mesh().id()
     assert len(np.unique(ms.current_mesh().vertex_scalar_array())) > 1
     for handles in (0, 4):
         ms.set_current_mesh(again)
-        result, log = fit_logged(ms, capfd, handles=handles, graph_layers=False)
+        result, log = fit_logged(ms, capfd, **FEW, handles=handles)
         assert result["fixed_vertices"] == 0 and result["free_vertices"] == ms.current_mesh().vertex_number()
         assert ("is no tags, so nothing of it is held" in log) == (handles == 0)
 
@@ -133,7 +136,7 @@ def test_what_counts_is_told_by_quality_selection_or_attribute(capfd):
             ms.current_mesh().add_vertex_custom_scalar_attribute(ms.current_mesh().vertex_scalar_array(), "counts")
             if source != 1:
                 set_quality(ms, "1")
-        result, log = fit_logged(ms, capfd, graph_layers=False, weights=source, target_weights=source, handles=parameters.pop("handles", 0), **parameters)
+        result, log = fit_logged(ms, capfd, **FEW, weights=source, target_weights=source, handles=parameters.pop("handles", 0), **parameters)
         return ms.current_mesh().vertex_matrix(), result, log
     fitted, result, log = weighed(1)
     assert 0.7 < result["counted"] < 0.8 and result["matched"] > 0.8 and result["free_vertices"] == len(fitted)
@@ -150,9 +153,9 @@ def test_a_fit_is_judged_by_what_it_does_not_see(capfd, tmp_path):
     wrong = truth.copy()
     wrong[kept[3]] += [0, 0.1, 0]
     check = point_file(tmp_path / "check.csv", "index", kept, None, wrong[kept])
-    plain = fit(ms, graph_layers=False)[1]
+    plain = fit(ms, **FEW)[1]
     ms.set_current_mesh(1)
-    result, log = fit_logged(ms, capfd, check_file=check, graph_layers=False)
+    result, log = fit_logged(ms, capfd, check_file=check, **FEW)
     off = np.linalg.norm(plain - wrong, axis=1)[kept]
     assert same_points(ms.current_mesh().vertex_matrix(), plain)  # which has not seen them
     assert abs(result["check_rms"] - np.sqrt((off ** 2).mean())) < 1e-9 and abs(result["check_largest"] - off.max()) < 1e-9
@@ -160,14 +163,14 @@ def test_a_fit_is_judged_by_what_it_does_not_see(capfd, tmp_path):
     assert "That came from" in log and 0 < result["moved"] < result["moved_most"] and result["leave_one_out_rms"] == 0
     ms.set_current_mesh(1)
     names = {f"p{i}": i for i in kept}
-    result, _ = fit_logged(ms, capfd, graph_layers=False, check_file=picked(tmp_path / "a.pp", **{name: start[i] for name, i in names.items()}),
+    result, _ = fit_logged(ms, capfd, **FEW, check_file=picked(tmp_path / "a.pp", **{name: start[i] for name, i in names.items()}),
                            target_check_file=picked(tmp_path / "b.pp", **{name: wrong[i] for name, i in names.items()}))
     assert abs(result["check_largest"] - off.max()) < 1e-6
     ms.set_current_mesh(1)
     landmarks = point_file(tmp_path / "landmarks.csv", "index", chosen, None, wrong[chosen])
     for alone in (False, True):
         ms.set_current_mesh(1)
-        result, log = fit_logged(ms, capfd, graph_layers=False, landmarks_file=landmarks, leave_one_out=True, landmarks_only=alone)
+        result, log = fit_logged(ms, capfd, **FEW, landmarks_file=landmarks, leave_one_out=True, landmarks_only=alone)
         assert result["landmark_residual"] < 1e-5 < result["leave_one_out_rms"] <= result["leave_one_out_largest"] < (0.7 if alone else 0.05)
         assert "Landmarks that are left out in turn are off by" in log
 
@@ -608,11 +611,11 @@ def test_a_quality_is_tags_where_a_filter_for_tags_wrote_it():
     ms, _ = pair()
     source = ms.current_mesh().id()
     set_quality(ms, "z < 0.5 ? 0 : 1")  # as a filter that counts something would leave it
-    assert ms.apply_filter(FIT, target_layer=0, handles=4, graph_layers=False)["fixed_vertices"] == 0
+    assert ms.apply_filter(FIT, target_layer=0, handles=4, **FEW)["fixed_vertices"] == 0
     ms.set_current_mesh(source)
     ms.compute_selection_by_condition_per_vertex(condselect="z < 0.5")
     ms.apply_filter("compute_fcd_tags_from_selection", role=0)
     fixed = np.count_nonzero(ms.current_mesh().vertex_scalar_array() == 0)
     for handles in (0, 4):
         ms.set_current_mesh(source)
-        assert ms.apply_filter(FIT, target_layer=0, handles=handles, graph_layers=False)["fixed_vertices"] == fixed > 0
+        assert ms.apply_filter(FIT, target_layer=0, handles=handles, **FEW)["fixed_vertices"] == fixed > 0
