@@ -12,8 +12,11 @@
 #include "test_support.h"
 
 #include <algorithm>
+#include <array>
+#include <map>
 #include <memory>
 #include <random>
+#include <set>
 
 using namespace vcg::fcd;
 using namespace fcd_test;
@@ -262,6 +265,91 @@ TEST(BendModel, AFingerIsALimbOfItsOwn) {
         EXPECT_NEAR(bent.position[*root][0], 0.05 + 0.16, 0.1) << "the arm turns as before";
     }
     EXPECT_FALSE(bent.reach.rootOfLimb(bent.nearest({-0.5, 0, 0.24}), usual, 0.01));
+}
+
+namespace {
+
+/// The faces of cubes of a grid, of those in which a body is. \param isIn tells that of a cube's middle
+template <class IsIn>
+Shape BlocksOf(double size, const Eigen::AlignedBox3d &box, const IsIn &isIn) {
+    using Cube = std::array<int, 3>;
+    std::set<Cube> inside;
+    const Eigen::Vector3i from = (box.min() / size).cast<int>(), to = (box.max() / size).cast<int>();
+    for (int x = from[0]; x < to[0]; ++x)
+        for (int y = from[1]; y < to[1]; ++y)
+            for (int z = from[2]; z < to[2]; ++z)
+                if (isIn(Eigen::Vector3d((x + 0.5) * size, (y + 0.5) * size, (z + 0.5) * size)))
+                    inside.insert({x, y, z});
+    Shape s;
+    std::map<Cube, int> corners;
+    const auto corner = [&](const Cube &at) {
+        const auto [found, isNew] = corners.insert({at, int(s.position.size())});
+        if (isNew)
+            s.position.emplace_back(size * at[0], size * at[1], size * at[2]);
+        return found->second;
+    };
+    for (const Cube &own : inside)
+        for (std::size_t side = 0; side < 6; ++side) {
+            const std::size_t axis = side / 2, one = (axis + 1) % 3, two = (axis + 2) % 3;
+            Cube other = own, at = own;
+            other[axis] += side % 2 ? 1 : -1;
+            if (inside.count(other) > 0)
+                continue;
+            at[axis] += int(side % 2);
+            std::array<int, 4> v{};
+            for (std::size_t k = 0; k < 4; ++k) {
+                Cube c = at;
+                c[one] += k == 1 || k == 2;
+                c[two] += k >= 2;
+                v[k] = corner(c);
+            }
+            if (side % 2 == 0)
+                std::swap(v[1], v[3]);
+            s.face.push_back({v[0], v[1], v[2]});
+            s.face.push_back({v[0], v[2], v[3]});
+        }
+    return s;
+}
+
+} // namespace
+
+TEST(BendModel, ALimbTurnsWithoutTheNextOne) {
+    // A trunk with a head, that is thicker than its neck, and two arms.
+    const auto isNear = [](const Eigen::Vector3d &p, const Eigen::Vector3d &a, const Eigen::Vector3d &b, double thick) {
+        const double t = std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+        return (p - a - t * (b - a)).norm() < thick;
+    };
+    const auto isIn = [&](const Eigen::Vector3d &p) {
+        const Eigen::Vector3d half(std::abs(p[0]), p[1], p[2]);
+        return isNear(p, {0, -0.9, 0}, {0, 0, 0}, 0.19) || isNear(p, {0, 0, 0}, {0, 0.3, 0}, 0.08) ||
+               isNear(p, {0, 0.36, 0}, {0, 0.42, 0}, 0.14) || isNear(half, {0.1, 0.05, 0}, {0.9, -0.5, 0}, 0.08);
+    };
+    Bent bent(BlocksOf(0.02, {Eigen::Vector3d(-1, -1.1, -0.2), Eigen::Vector3d(1, 0.6, 0.2)}, isIn));
+    const double usual = 0.15 * bent.model.ground.diagonal, hair = usual / 5;
+    const std::array<std::size_t, 3> ends = {bent.nearest({0, 0.56, 0}), bent.nearest({0.95, -0.5, 0}),
+                                             bent.nearest({-0.95, -0.5, 0})}; // head, arms
+    std::array<int, 3> turned{};
+    const auto numberOf = [](const Eigen::Vector3d &p) {
+        return p[1] > 0.24 ? 0 : p[0] > 0.35 ? 1 : p[0] < -0.35 ? 2 : 3;
+    };
+    for (std::size_t slot = 0; slot < bent.position.size(); slot += 151) {
+        const auto root = bent.reach.rootOfLimb(slot, usual, hair);
+        if (!root)
+            continue;
+        const auto extent = bent.reach.whole({*root}, bent.reach.radiusAt(*root, usual), hair);
+        SCOPED_TRACE(testing::Message() << "from " << bent.position[slot].transpose());
+        EXPECT_GT(extent->shareOf(slot), 0.5f) << "what is dragged goes along";
+        const int own = numberOf(bent.position[slot]);
+        int limbs = 0;
+        for (int k = 0; k < 3; ++k) {
+            const bool isTurned = extent->shareOf(ends[std::size_t(k)]) > 0.5f;
+            limbs += isTurned;
+            turned[std::size_t(k)] += isTurned && own == k;
+        }
+        EXPECT_LE(limbs, 1);
+    }
+    for (std::size_t k = 0; k < 3; ++k)
+        EXPECT_GT(turned[k], 3) << k;
 }
 
 TEST(BendModel, ALineHasNoCoarserSurface) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 
 // Extents of handles: the surface around, and the tips of the limb.
@@ -15,6 +16,10 @@ namespace {
 // The largest ball that finds tips, over the smallest one that cuts off a tip. Somewhat larger balls cut off other tips
 // of the same limb, like the fingers of a hand; balls of twice the size cut off others, like the head from a shoulder.
 const double largestBall = 1.5;
+
+// Least area of a tip that is another limb, over that of the largest: a third as long and as thick. Anything smaller,
+// like an ear, goes along.
+const float otherLimb = 0.1f;
 
 const double coreSize = 0.5; // share of the radius that moves with a handle; the other half bends
 
@@ -27,9 +32,10 @@ const double nearestJoint = 0.25;
 
 /// Tells which pieces beside a ball are tips of the limb at its middle: those that a ball of half the radius cuts off,
 /// or one up to largestBall times the smallest that cuts off any. \param ball nodes, nearest first \param distances of
-/// these, frame units
-std::vector<char> BendReach::tipsOfLimb(const Pieces &pieces, const std::vector<vcg::fcd::Index> &ball,
-                                        const std::vector<double> &distances) const {
+/// these, frame units \return also whether these tips are of one limb: as the ball shrinks, they meet each other
+/// before the rest
+std::pair<std::vector<char>, bool> BendReach::tipsOfLimb(const Pieces &pieces, const std::vector<vcg::fcd::Index> &ball,
+                                                         const std::vector<double> &distances) const {
     std::vector<char> isOfLimb(pieces.area.size(), 0);
     const std::size_t none = ball.size();
     std::vector<std::size_t> placeOf(pieces.of.size(), none);
@@ -40,7 +46,7 @@ std::vector<char> BendReach::tipsOfLimb(const Pieces &pieces, const std::vector<
     using vcg::fcd::Index;
     vcg::fcd::DisjointSets joined{Index(pieces.area.size() + ball.size())}; // pieces, then nodes of the ball
     const auto areOne = [&](std::size_t a, std::size_t b) { return joined.Root(Index(a)) == joined.Root(Index(b)); };
-    std::vector<double> cutAt(pieces.area.size(), 0);
+    std::vector<std::size_t> met(pieces.area.size(), 0); // by which node of the ball
     std::vector<std::size_t> left;
     for (std::size_t which = 0; which < pieces.area.size(); ++which)
         if (pieces.isTip(which))
@@ -57,7 +63,7 @@ std::vector<char> BendReach::tipsOfLimb(const Pieces &pieces, const std::vector<
         const auto meets = [&](std::size_t which) {
             if (!areOne(which, pieces.largest))
                 return false;
-            cutAt[which] = distances[k];
+            met[which] = k;
             return true;
         };
         if (areOne(own, pieces.largest))
@@ -66,11 +72,20 @@ std::vector<char> BendReach::tipsOfLimb(const Pieces &pieces, const std::vector<
     double most = distances.empty() ? 0 : coreSize * distances.back(), least = std::numeric_limits<double>::infinity();
     for (std::size_t which = 0; which < pieces.area.size(); ++which)
         if (pieces.isTip(which))
-            least = std::min(least, cutAt[which]);
+            least = std::min(least, distances[met[which]]);
     most = std::max(most, largestBall * least);
-    for (std::size_t which = 0; which < pieces.area.size(); ++which)
-        isOfLimb[which] = pieces.isTip(which) && cutAt[which] <= most;
-    return isOfLimb;
+    std::map<std::size_t, float> area; // of the tips that meet the rest together
+    for (std::size_t which = 0; which < pieces.area.size(); ++which) {
+        isOfLimb[which] = pieces.isTip(which) && distances[met[which]] <= most;
+        if (isOfLimb[which])
+            area[met[which]] += pieces.area[which];
+    }
+    float largest = 0;
+    for (const auto &[node, each] : area)
+        largest = std::max(largest, each);
+    const auto limbs =
+        std::count_if(area.begin(), area.end(), [&](const auto &each) { return each.second > otherLimb * largest; });
+    return {std::move(isOfLimb), limbs < 2};
 }
 
 /// The extent of a handle, from the cache or new.
@@ -94,8 +109,9 @@ std::shared_ptr<BendExtent> BendReach::kept(const std::vector<std::size_t> &vert
     const std::vector<char> isInside = isAmong(ball);
     made.around = slotsOf(isInside);
     const Pieces beside = piecesBeside(isInside);
-    const std::vector<char> isOfLimb = tipsOfLimb(beside, ball, distances);
-    const auto tipsThat = [&](bool ofLimb) {
+    const auto [isOfLimb, isOneLimb] = tipsOfLimb(beside, ball, distances);
+    made.isOneLimb = isOneLimb;
+    const auto tipsThat = [&, &isOfLimb = isOfLimb](bool ofLimb) {
         std::vector<char> isIn(isInside.size());
         for (std::size_t u = 0; u < isIn.size(); ++u)
             isIn[u] = beside.of[u] >= 0 && beside.isTip(std::size_t(beside.of[u])) &&

@@ -29,6 +29,8 @@ const double quickPart = 6, leastFlat = 0.8;
 // much thinner has no vertex beyond.
 const double farOfCut = 0.75;
 
+const float leastShare = 0.5; // of a vertex that turns with its limb, and does not rather stay
+
 const int binsOfThickness = 2; // cross-sections for each thickness of a limb
 
 } // namespace
@@ -44,44 +46,59 @@ std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual,
     const auto isNearer = [&](vcg::fcd::Index u, vcg::fcd::Index v) {
         return (placeOf(u) - placeOf(ball.back())).squaredNorm() < (placeOf(v) - placeOf(ball.back())).squaredNorm();
     };
+    const Pointed pointed{slot, usual, hair};
     const auto rootBeyond = [&](std::size_t before, double radius) {
         const bool isBeyond = whole({before}, radius, hair)->shareOf(slot) == 1;
-        return isBeyond ? rootBefore(before, radius, hair) : std::nullopt;
+        return isBeyond ? rootBefore(before, radius, pointed) : std::nullopt;
     };
     const double cut = closingRadius(slot, usual), most = cut > 0 ? farOfCut * cut : usual / 4;
     double next = usual / nearestPart;
-    while (next < most) {
-        const double far = next;
-        next *= wayOff;
-        const auto first = [&](double distance) {
-            const auto found = std::lower_bound(distances.begin(), distances.end(), distance / surface->frame.scale);
-            return ball.begin() + (found - distances.begin());
-        };
-        const auto nearest = first(far), farthest = first(wayOff * far);
-        const auto isFlat = [&] {
-            double area = 0;
-            for (auto u = nearest; u != farthest; ++u)
-                area += surface->nodeArea[std::size_t(*u)];
-            const double unit = far / surface->frame.scale;
-            return area > leastFlat * EIGEN_PI * (wayOff * wayOff - 1) * unit * unit;
-        };
-        if (nearest == farthest || (far > usual / quickPart && isFlat()))
-            continue;
-        const std::size_t before = slotOf(*std::min_element(nearest, farthest, isNearer));
-        if (const double closing = closingRadius(before, 2 * far); closing > 0)
-            if (const auto root = rootBeyond(before, radiusOfClosing * closing))
-                return root;
-    }
-    if (const auto root = rootBefore(slot, cut > 0 ? radiusOfClosing * cut : usual, hair))
+    const auto rootTowardsBody = [&](double upTo) -> std::optional<std::size_t> {
+        while (next < upTo) {
+            const double far = next;
+            next *= wayOff;
+            const auto first = [&](double distance) {
+                const auto found =
+                    std::lower_bound(distances.begin(), distances.end(), distance / surface->frame.scale);
+                return ball.begin() + (found - distances.begin());
+            };
+            const auto nearest = first(far), farthest = first(wayOff * far);
+            const auto isFlat = [&] {
+                double area = 0;
+                for (auto u = nearest; u != farthest; ++u)
+                    area += surface->nodeArea[std::size_t(*u)];
+                const double unit = far / surface->frame.scale;
+                return area > leastFlat * EIGEN_PI * (wayOff * wayOff - 1) * unit * unit;
+            };
+            if (nearest == farthest || (far > usual / quickPart && isFlat()))
+                continue;
+            const std::size_t before = slotOf(*std::min_element(nearest, farthest, isNearer));
+            if (const double closing = closingRadius(before, 2 * far); closing > 0)
+                if (const auto root = rootBeyond(before, radiusOfClosing * closing))
+                    return root;
+        }
+        return {};
+    };
+    if (const auto root = rootTowardsBody(most))
+        return root;
+    if (const auto root = rootBefore(slot, cut > 0 ? radiusOfClosing * cut : usual, pointed))
+        return root;
+    if (const auto root = rootTowardsBody(usual)) // the head, which is thicker than its neck
         return root;
     const std::size_t last = slotOf(ball.back());
     return rootBeyond(last, radiusAt(last, usual));
 }
 
-/// The same, if something of the limb lies beyond the vertex.
-std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double radius, double hair) {
+/// Tells whether a handle turns the limb of a vertex, and no other one with it.
+bool BendReach::turnsOneLimb(std::size_t root, const Pointed &at) {
+    const auto turned = whole({root}, radiusAt(root, at.usual), at.hair);
+    return turned->isOneLimb && turned->shareOf(at.slot) > leastShare;
+}
+
+/// The same for a vertex of the limb, if something of it lies beyond. \param pointed the vertex that is to turn
+std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double radius, const Pointed &pointed) {
     const vcg::fcd::Index own = surface->nodeOf[slot];
-    const auto grip = whole({slot}, radius, hair);
+    const auto grip = whole({slot}, radius, pointed.hair);
     if (!grip->joint)
         return {};
     const vcg::fcd::Graph &graph = surface->graph;
@@ -118,12 +135,15 @@ std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double radius
            before + area[root + 1] <= largestLimb * total)
         before += area[++root];
     // The joint of a handle is about the limb's thickness away from it.
-    const std::size_t at = root > start + binsOfThickness ? root - binsOfThickness : start;
-    if (at == start)
-        return slot;
-    const auto there = std::find_if(fromHere.begin(), fromHere.end(),
-                                    [&](vcg::fcd::Index u) { return section[std::size_t(u)] == at; });
-    return slotOf(*there);
+    std::size_t at = root > start + binsOfThickness ? root - binsOfThickness : start;
+    while (at > start) {
+        const auto there = std::find_if(fromHere.begin(), fromHere.end(),
+                                        [&](vcg::fcd::Index u) { return section[std::size_t(u)] == at; });
+        if (turnsOneLimb(slotOf(*there), pointed))
+            return slotOf(*there);
+        at = (start + at) / 2; // for a leg, before the tail
+    }
+    return turnsOneLimb(slot, pointed) ? std::optional(slot) : std::nullopt;
 }
 
 namespace {

@@ -25,6 +25,7 @@ struct BendExtent {
         share; ///< of each of these, how much it moves with the handle: 0 beside what stays, 1 at the core
     std::vector<std::size_t> tips;   ///< tips of the handle's limb, which the ball of the radius cuts off
     std::vector<std::size_t> aside;  ///< other tips that it cuts off: for a shoulder, the head
+    bool isOneLimb = true;           ///< the tips are of one limb, and not of two, like an arm and the head
     bool isWhole = false;            ///< the members below are set
     std::vector<std::size_t> core;   ///< within half the radius
     std::vector<std::size_t> beyond; ///< tips, and what the core cuts off, with loose parts among these
@@ -106,7 +107,12 @@ class BendReach {
     /// The radius of a handle on a limb, over the closing radius. That ball reaches half around the limb, pi / 2 times
     /// the thickness. A radius of twice the thickness leaves a strip as wide as the limb is thick to bend.
     static constexpr double radiusOfClosing = 4 / EIGEN_PI;
-    std::optional<std::size_t> rootBefore(std::size_t slot, double radius, double hair);
+    struct Pointed {
+        std::size_t slot;
+        double usual, hair; ///< as of rootOfLimb()
+    };
+    bool turnsOneLimb(std::size_t root, const Pointed &at);
+    std::optional<std::size_t> rootBefore(std::size_t slot, double radius, const Pointed &pointed);
     void take(std::unique_ptr<vcg::fcd::SurfaceGraph> read);
     struct Pieces {
         std::vector<int> of;     ///< of each node: number of its piece, < 0: none
@@ -115,8 +121,8 @@ class BendReach {
         bool isTip(std::size_t piece) const;
     };
     Pieces piecesBeside(const std::vector<char> &isIn) const;
-    std::vector<char> tipsOfLimb(const Pieces &pieces, const std::vector<vcg::fcd::Index> &ball,
-                                 const std::vector<double> &distances) const;
+    std::pair<std::vector<char>, bool> tipsOfLimb(const Pieces &pieces, const std::vector<vcg::fcd::Index> &ball,
+                                                  const std::vector<double> &distances) const;
     void findShares(BendExtent &made) const;
     std::size_t slotOf(vcg::fcd::Index node) const;
     vcg::fcd::Index along(vcg::fcd::Index from, double ahead, const std::vector<double> &left) const;
