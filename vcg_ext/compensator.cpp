@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <limits>
 #include <sstream>
 #include <string>
@@ -94,11 +95,22 @@ class ScanSurface {
 // A match does not count if it is farther than this times the distance within which 95 % of the matches lie.
 constexpr double farOff = 3;
 // A scan of otherUnits times the part's size has other units: the closest that people mix, centimetres and inches, are
-// 2.54 apart. A smaller scan may be of a piece; below smallPart it hardly is.
-constexpr double otherUnits = 2.2, smallPart = 0.2;
+// 2.54 apart. A smaller scan may be of a piece, which the warning leaves open. If most of the part is matched, a larger
+// scan has other things in it: in other units, a side of a flat part at most, half of it, lies on the scan.
+constexpr double otherUnits = 2.2, mostInOtherUnits = 0.6;
 // Printed, sintered and pressed parts shrink unevenly by a hundredth or two, and lift at their ends by a hundredth of
 // their length, which is a bending of 8 hundredths.
 constexpr double typicalStrain = 0.01, typicalBending = 0.1;
+
+/// A sentence about units, for messages; empty if the sizes tell nothing.
+std::string UnitsOf(double larger) {
+    if (!(larger > 0) || (larger < otherUnits && larger > 1 / otherUnits))
+        return "";
+    std::ostringstream line;
+    line << std::setprecision(3) << " The scan is " << std::max(larger, 1 / larger) << " times "
+         << (larger > 1 ? "larger" : "smaller") << " than the nominal part: if it has other units, scale it first.";
+    return line.str();
+}
 
 } // namespace
 
@@ -155,7 +167,8 @@ Compensation::Compensation(const SurfaceView &nominal, const SurfaceView &scan, 
     }
     if (left.size() < 10)
         throw BadInput("Nothing of the nominal part has a counterpart on the scan. Align them rigidly first, or raise "
-                       "largest_distance.");
+                       "largest_distance." +
+                       UnitsOf(report.larger));
     std::vector<double> sorted = left;
     std::sort(sorted.begin(), sorted.end());
     const double most = farOff * sorted[sorted.size() * 19 / 20];
@@ -228,10 +241,12 @@ std::vector<std::string> CompensateReport::Warnings() const {
     if (scanned < 0.3) { // most of the warp is a guess
         line << "Only " << 100 * scanned
              << " percent of the nominal part have a counterpart on the scan: the rest is a guess. Scan more of it, or "
-                "align the two first.";
-        if (larger > otherUnits || larger < smallPart)
-            line << " The scan is " << std::max(larger, 1 / larger) << " times " << (larger > 1 ? "larger" : "smaller")
-                 << " than the nominal part: if it has other units, scale it first.";
+                "align the two first."
+             << UnitsOf(larger);
+        tell();
+    } else if (larger > otherUnits && scanned < mostInOtherUnits) {
+        line << "Only " << 100 * scanned << " percent of the nominal part have a counterpart on the scan."
+             << UnitsOf(larger);
         tell();
     }
     if (spacing > thickness / 2) {

@@ -188,8 +188,14 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
         return frame.metric.transpose() * plane.Turn(linear.inverse().transpose() * n);
     };
     SymmetricPose made;
-    made.target = fitter.Prepare({mirrored, normal ? mirroredNormal : NormalOf(), world, {}, weight, {}, "surface"},
-                                 progress.Slice(0.45, 0.55));
+    try {
+        made.target = fitter.Prepare({mirrored, normal ? mirroredNormal : NormalOf(), world, {}, weight, {}, "surface"},
+                                     progress.Slice(0.45, 0.55));
+    } catch (const BadInput &) { // the surface itself was one: the warp has pressed it together
+        throw BadInput(
+            "The surface is not at all like its mirror image in this plane. Give pairs, a midline or another "
+            "plane.");
+    }
     std::vector<Landmark> landmarks;
     landmarks.reserve(marks.vertex.size());
     for (std::size_t l = 0; l < marks.vertex.size(); ++l)

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _files, _measures, _splats, _tables, _workers
+from ._compensate import compensate
 from ._curves import read_curves
 from ._deform import _posed, deform
 from ._deformation import Deformation
@@ -40,6 +41,7 @@ _MEASURED = "measured: "  # before the names of measurements in the table, since
 
 _FITTED = ("matched", "rms", "median", "percentile_95", "guessed", "landmark_residual", "curve_residual", "folded", "contact", "contact_depth", "converged")
 _POSED = ("nodes", "folded", "strained", "contact", "contact_depth", "largest_stretch", "converged")
+_COMPENSATED = ("before", "left", "scanned", "change", "change_most", "missed")
 _SYMMETRIC = ("before", "after", "asymmetry", "asymmetry_most", "moved", "moved_most", "matched", "is_sure")
 
 
@@ -82,6 +84,11 @@ def _deformation_of(out: Path) -> Path:
     return out.parent / "deformations" / out.name
 
 
+def _other_side_of(out: Path) -> Path:
+    """The file with what a result lacked on one side."""
+    return out.parent / "other_side" / out.name
+
+
 def _read(path: Path, given: argparse.Namespace) -> Ply:
     """A mesh whose vertices will move. Raises ValueError if what is to be measured of it cannot be, before any work."""
     ply = Ply(path)
@@ -113,6 +120,28 @@ def _fit(given: argparse.Namespace, scan: Path, out: Path, threads: int) -> Row:
                  stiffness=given.stiffness, rigidity=given.rigidity, largest_distance=given.largest_distance, largest_angle=given.largest_angle,
                  both_ways=given.both_ways, landmark_tolerance=given.landmark_tolerance, patches=given.patches, steps=given.steps, threads=threads)
     return _write(template, fitted, out, _FITTED, given)
+
+
+def _normals_of(ply: Ply, vertices: Points) -> Points | None:
+    """Normals of a mesh with other positions, by the area of the faces; None if the file has none."""
+    if ply.normals is None or ply.faces is None:
+        return None
+    corner = vertices[ply.faces]
+    across, normals = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), np.zeros_like(vertices)
+    for k in range(3):
+        np.add.at(normals, ply.faces[:, k], across)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    return normals
+
+
+def _compensate(given: argparse.Namespace, scan: Path, out: Path, threads: int) -> Row:
+    nominal = Ply(given.nominal)
+    target, faces, _ = _target(scan)
+    normals = Ply(scan).normals if faces is None and scan.suffix.lower() == ".ply" else None
+    made = compensate(nominal.vertices, nominal.faces, target, faces, scan_normals=normals, degree=given.degree,
+                      largest_distance=given.largest_distance, samples=given.samples, threads=threads)
+    nominal.save(out, made.vertices, _normals_of(nominal, made.vertices))
+    return {name: getattr(made.info, name) for name in _COMPENSATED}
 
 
 def _moves(given: argparse.Namespace) -> dict[int, Motion]:
@@ -181,6 +210,12 @@ def _symmetrize(given: argparse.Namespace, path: Path, out: Path, threads: int) 
                       normals=ply.normals, stiffness=given.stiffness, largest_distance=given.largest_distance, landmark_tolerance=given.landmark_tolerance,
                       steps=given.steps, threads=threads)
     found = made.symmetry
+    if given.other_side:
+        other, normal = made.other_side(), np.asarray(found.plane[1])
+        turned = made.normals[other.source]
+        part = _other_side_of(out)
+        part.parent.mkdir(exist_ok=True)
+        ply.part(other.source, other.faces).save(part, other.vertices, turned - 2 * np.outer(turned @ normal, normal))
     return {**{name: getattr(found, name) for name in _SYMMETRIC}, **_write(ply, made, out, ("folded", "contact", "contact_depth", "converged"), given)}
 
 
@@ -198,13 +233,15 @@ def _info(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row
 
 
 _JOBS: dict[str, Callable[[argparse.Namespace, Path, Path, int], Row]] = {
-    "fit": _fit, "deform": _deform, "apply": _apply, "straighten": _straighten, "symmetrize": _symmetrize, "info": _info}
+    "fit": _fit, "deform": _deform, "apply": _apply, "straighten": _straighten, "symmetrize": _symmetrize,
+    "compensate": _compensate, "info": _info}
 
 
 def _results_of(given: argparse.Namespace, out: Path) -> list[Path]:
     if given.job == "info":
         return []
-    return [out, _deformation_of(out)] if getattr(given, "deformations", False) else [out]
+    more = {"deformations": _deformation_of, "other_side": _other_side_of}
+    return [out, *(of(out) for name, of in more.items() if getattr(given, name, False))]
 
 
 def _job(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
@@ -231,7 +268,7 @@ def _key(given: argparse.Namespace, defaults: Mapping[str, object], path: Path, 
     for name, value in vars(given).items():
         if name in ("files", "out", "processes", "scheduler", "mean", "again") or value == defaults.get(name):
             continue
-        if name in ("template", "deformation", "measure"):
+        if name in ("template", "nominal", "deformation", "measure"):
             value = known(Path(value))
         elif name in ("landmarks", "lines", "pairs", "midlines"):
             value = known(Path(value) / f"{path.stem}.csv")
@@ -283,14 +320,7 @@ def _write_mean(files: Sequence[Path], out: Path, scaled: bool) -> None:
     """Writes the mean of results with the same vertices, with all else of the first one."""
     first = Ply(files[0])
     found = mean_shape([lambda path=path: Ply(path).vertices for path in files], scaled)  # type: ignore[misc]
-    normals: Points | None = None
-    if first.normals is not None and first.faces is not None:
-        corner = found.vertices[first.faces]
-        across, normals = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), np.zeros_like(found.vertices)
-        for k in range(3):
-            np.add.at(normals, first.faces[:, k], across)
-        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-    first.save(out, found.vertices, normals)
+    first.save(out, found.vertices, _normals_of(first, found.vertices))
     far = int(found.apart.argmax())
     _say(f"mean of {len(files)} shapes: {shown(out)}; they are {float(np.sqrt((found.apart**2).mean())):.4g} from it (root mean square), "
          f"{shown(files[far])} the most, {found.apart[far]:.4g}")
@@ -304,7 +334,7 @@ def _parsers() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.ArgumentP
                                      "command is wrong.")
     jobs = parser.add_subparsers(dest="job", required=True, metavar="JOB")
 
-    texts = {"FILE": "a PLY file", "SCAN": "a PLY file, or, with trimesh, another one that it reads", "TEMPLATE": "a PLY file",
+    texts = {"FILE": "a PLY file", "SCAN": "a PLY file, or, with trimesh, another one that it reads", "TEMPLATE": "a PLY file", "NOMINAL": "a PLY file",
              "DEFORMATION": "a file of --deformations, of Deformation.save, or of MeshLab's FCD: Save Deformation"}
 
     def job(name: str, text: str, files: str, *own: str) -> argparse.ArgumentParser:
@@ -317,7 +347,7 @@ def _parsers() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.ArgumentP
         made.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster that does the files instead, a file a task; its workers see the "
                           "same folders")
         made.add_argument("--again", action="store_true", help="also do what is done")
-        if name not in ("apply", "info"):
+        if name not in ("apply", "compensate", "info"):
             made.add_argument("--deformations", action="store_true", help="also save the deformation of each, deformations/NAME.ply")
             made.add_argument("--measure", metavar="FILE", help="lengths between vertices, taken of each result for the table: name, distance or "
                               "length or girth (along edges), numbers of vertices from 0")
@@ -362,6 +392,12 @@ def _parsers() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.ArgumentP
     made.add_argument("--landmark-tolerance", type=float, default=0.0, help="how far pairs and midlines may be off (default: 0, exact)")
     made.add_argument("--largest-distance", type=float, default=0.0, help="what is farther from the mirror image has no counterpart (default: no limit)")
     made.add_argument("--steps", type=int, default=50, help="of the fit onto the mirror image: more where it does not come to rest (default: 50)")
+    made.add_argument("--other-side", action="store_true", help="also save the mirror image of what has no counterpart, other_side/NAME.ply: the good "
+                      "side where the other one is missing")
+    made = job("compensate", "Makes the part to print from each scan of a printed one, so that the nominal part comes out.", "SCAN", "NOMINAL")
+    made.add_argument("--degree", type=int, default=5, help="of the warp, 1 to 7: more follows finer warps (default: 5)")
+    made.add_argument("--largest-distance", type=float, default=0.0, help="what is farther from the scan is not scanned (default: no limit)")
+    made.add_argument("--samples", type=int, default=12000, help="how many places of the nominal part are matched: more for noisy scans (default: 12000)")
     job("info", "Tells of each file, or saved deformation, how large it is and where.", "FILE")
     return parser, jobs.choices
 
@@ -398,7 +434,7 @@ def _looked_at(parser: argparse.ArgumentParser, given: argparse.Namespace, paths
     if given.job == "info":
         return
     names: dict[str, Path] = {"mean.ply": Path("--mean")} if getattr(given, "mean", None) else {}
-    read = set().union(*map(_files.marks, [*paths, *(Path(getattr(given, name)) for name in ("template", "deformation") if hasattr(given, name))]))
+    read = set().union(*map(_files.marks, [*paths, *(Path(getattr(given, name)) for name in ("template", "nominal", "deformation") if hasattr(given, name))]))
     for path, out in outs.items():
         if names.setdefault(out.name.casefold(), path) != path:
             parser.error(f"{shown(names[out.name.casefold()])} and {shown(path)} would have one result, {shown(out)}: rename one of them")

@@ -2,6 +2,7 @@
 """PLY files whose vertices move. All else in them (labels, colours, textures, other elements) stays, to the byte."""
 from __future__ import annotations
 
+import copy
 import os
 import re
 from collections.abc import Mapping
@@ -171,6 +172,29 @@ class Ply:
     def columns(self) -> Points:
         """All properties of the vertices, n x properties."""
         return self._columns(tuple(self._names))
+
+    def part(self, numbers: NDArray[np.int64], faces: NDArray[np.int64] | None) -> Ply:
+        """The vertices of these numbers, with all that they carry, and triangles of them; nothing else."""
+        made = copy.copy(self)
+        others = [i for i, line in enumerate(self._head) if line.split()[:1] == [b"element"]]
+        made._head = self._head[:others[1] if len(others) > 1 else -1]
+        made._head[others[0]] = b"element vertex %d\n" % len(numbers)
+        made._elements, made._faces, made._rest = self._elements[:1], faces, b""
+        if faces is not None:
+            made._head += [b"element face %d\n" % len(faces), b"property list uchar int vertex_indices\n"]
+            if self._order == "ascii":
+                made._rest = b"".join(b"3 %d %d %d\n" % tuple(face) for face in faces.tolist())
+            else:
+                table = np.empty(len(faces), [("count", "u1"), ("corners", self._order + "i4", 3)])
+                table["count"], table["corners"] = 3, faces
+                made._rest = table.tobytes()
+        made._head.append(b"end_header\n")
+        made.vertices = self.vertices[numbers]
+        if self._order == "ascii":
+            made._rows = [self._rows[i] for i in numbers]
+        else:
+            made._table = self._table[numbers]
+        return made
 
     def save(self, path: str | os.PathLike[str], vertices: Points, normals: Points | None, others: Mapping[str, Points] = MappingProxyType({})) -> None:
         """Writes the file with other positions, with other normals if it has some and some are given, and with other properties."""

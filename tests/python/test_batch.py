@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from shapes import bar
 
-from pymeshlab_fcd import Deformer, Motion, _batch as batch, _splats, deform, fit, read_curves
+from pymeshlab_fcd import Deformer, Motion, _batch as batch, _splats, compensate, deform, fit, read_curves
 from pymeshlab_fcd._batch import main
 from pymeshlab_fcd._ply import Ply
 
@@ -308,6 +308,60 @@ def test_what_is_not_symmetric_becomes_so(tmp_path, capsys):
     assert float(row["after"]) < 0.3 * float(row["before"]) and float(row["moved"]) > 0 and (tmp_path / "out" / "deformations" / "skull.ply").exists()
     assert main(["symmetrize", str(tmp_path / "skull.ply"), "--midlines", str(tmp_path / "pairs"), "--out", str(tmp_path / "out")]) == 1
     assert "must have 3 numbers, x, y, z, with points for decimals" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("order", ["<", ">", ""])
+def test_the_good_side_is_saved_where_the_other_one_is_missing(tmp_path, order):
+    """All that its vertices carry is that of those it mirrors."""
+    i, k = np.meshgrid(np.arange(40), np.arange(60), indexing="ij")
+    z, angle = np.cos(np.pi * (i + 0.5) / 40), 2 * np.pi * (k + 0.3) / 60
+    sphere = np.stack([np.sqrt(1 - z**2) * np.cos(angle), np.sqrt(1 - z**2) * np.sin(angle), z], 2).reshape(-1, 3)
+    whole = sphere * [0.7, 1, 0.85] * (1 + 0.2 * sphere[:, 1:2] * np.abs(sphere[:, :1]) + 0.1 * np.sin(4 * sphere[:, 2:]))
+    here, beside = i[:-1, :] * 60 + k[:-1, :], i[:-1, :] * 60 + (k[:-1, :] + 1) % 60
+    faces = np.concatenate([np.stack([here, here + 60, beside], 2).reshape(-1, 3), np.stack([beside, here + 60, beside + 60], 2).reshape(-1, 3)])
+    lost = np.linalg.norm(whole - whole[np.argmax(whole @ [1, 0.5, 0.5])], axis=1) < 0.35
+    write_ply(tmp_path / "skull.ply", whole, faces[~lost[faces].any(axis=1)], np.arange(len(whole)), order, normals=sphere)
+    command = ["symmetrize", str(tmp_path / "skull.ply"), "--other-side", "--out", str(tmp_path / "out")]
+    assert main(command) == 0
+    part, result = Ply(tmp_path / "out" / "other_side" / "skull.ply"), Ply(tmp_path / "out" / "skull.ply")
+    assert len(part.faces) > 30 and part.names == result.names and part.faces.max() == len(part.vertices) - 1
+    mirrored = part.column("quality").astype(int)  # the number of each vertex
+    assert np.allclose(part.vertices, result.vertices[mirrored] * [-1, 1, 1], atol=0.02) and (part.column("red") == mirrored % 251).all()
+    assert np.linalg.norm(part.vertices - whole[lost].mean(0), axis=1).max() < 0.5  # where it is missing
+    assert np.allclose(part.normals, result.normals[mirrored] * [-1, 1, 1], atol=0.05)
+    corner = part.vertices[part.faces]
+    assert (np.einsum("ij,ij->i", np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), part.normals[part.faces[:, 0]]) > 0).all()
+    (tmp_path / "out" / "other_side" / "skull.ply").unlink()
+    assert main(command) == 0 and (tmp_path / "out" / "other_side" / "skull.ply").exists()  # made again
+
+
+def test_parts_are_compensated_by_each_scan(tmp_path, capsys):
+    x, y, z = (grid.ravel() for grid in np.meshgrid(np.linspace(-50, 50, 21), np.linspace(-30, 30, 13), [0.0, 9.0], indexing="ij"))
+    nominal, a = np.stack([x, y, z], 1), np.arange(20 * 13).reshape(20, 13)[:, :-1].ravel() * 2
+    low = np.concatenate([np.stack([a, a + 2, a + 26], 1), np.stack([a + 2, a + 28, a + 26], 1)])
+    faces = np.concatenate([low, low[:, ::-1] + 1])
+    up = np.outer(np.where(z > 0, 1, -1), [0, 0, 1])
+    write_ply(tmp_path / "nominal.ply", nominal, faces, x, normals=up)
+    for name, bend in (("a", 1e-4), ("b", -2e-4)):
+        write_ply(tmp_path / f"{name}.ply", nominal + np.outer(bend * x**2, [0, 0, 1]), faces if name == "a" else None, normals=up)
+    command = ["compensate", str(tmp_path / "nominal.ply"), str(tmp_path / "a.ply"), str(tmp_path / "b.ply"), "--degree", "4", "--out", str(tmp_path / "out")]
+    assert main(command) == 0
+    rows = table(tmp_path / "out" / "compensate.csv")
+    for name in "ab":
+        scan, made = Ply(tmp_path / f"{name}.ply"), Ply(tmp_path / "out" / f"{name}.ply")
+        right = compensate(nominal, faces, scan.vertices, scan.faces, scan_normals=None if name == "a" else scan.normals, degree=4)
+        assert (made.vertices == right.vertices).all() and (made.column("quality") == np.float32(x)).all() and (made.faces == faces).all()
+        assert float(rows[str(tmp_path / f"{name}.ply")]["change_most"]) == right.info.change_most > 0.1
+        corner = made.vertices[faces]
+        across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+        assert (np.einsum("ij,ij->i", across / np.linalg.norm(across, axis=1)[:, None], made.normals[faces[:, 0]]) > 0.99).all()
+    capsys.readouterr()
+    assert main(command) == 0 and "2 of 2 files are done already" in capsys.readouterr().out
+    write_ply(tmp_path / "nominal.ply", nominal * [1, 1, 1.01], faces, x, normals=up)
+    assert main(command) == 0 and "1/2" in capsys.readouterr().out  # it is another part
+    with pytest.raises(SystemExit):
+        main(["compensate", str(tmp_path / "nominal.ply"), str(tmp_path / "a.ply"), str(tmp_path / "nominal.ply"), "--out", str(tmp_path)])
+    assert "would be written over what is read" in capsys.readouterr().err
 
 
 def test_rows_are_added_and_half_a_row_is_not_counted(tmp_path, capsys):

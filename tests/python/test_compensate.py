@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What to print so that it becomes what is wanted."""
+import warnings
+
 import numpy as np
 import pytest
 
@@ -224,6 +226,18 @@ def test_what_is_not_to_be_trusted_is_told(part):
     middle = nominal.mean(0)
     with pytest.warns(CompensationWarning, match="The scan is 10 times smaller than the nominal part: if it has other units, scale it first"):
         compensate(nominal, faces, (found - middle) / 10 + middle, triangles)
+    points, faces_of, _, printed = block(4.0)
+    for larger, text in ((2.54, "^Only .* The scan is 2.5. times larger than the nominal part: if it has other units, scale it first"),
+                         (1 / 2.54, "The scan is 2.5. times smaller than the nominal part: if it has other units")):
+        with pytest.warns(CompensationWarning, match=text):
+            compensate(points, faces_of, larger * printed(points), faces_of)
+    for larger, text in ((1 / 25.4, "The scan is 25.. times smaller than"), (10, "The scan is (9.9.|10) times larger than")):
+        with pytest.raises(ValueError, match="Align them rigidly first, or raise largest_distance. " + text):
+            compensate(points, faces_of, larger * (printed(points) + [0, 0, 5]), faces_of, largest_distance=0.1)
+    with warnings.catch_warnings():  # a scan of the part and of the table below it
+        warnings.simplefilter("error")
+        table = 400 * np.array([[-1, -1, -0.02], [1, -1, -0.02], [1, 1, -0.02], [-1, 1, -0.02]])
+        compensate(points, faces_of, np.r_[printed(points), table], np.r_[faces_of, len(points) + np.array([[0, 1, 2], [0, 2, 3]])])
     with pytest.warns(CompensationWarning, match="percent of the nominal part"):
         compensate(nominal, faces, *scan(kept=lambda at: (at[:, 0] < 30) & (at[:, 2] > 0.1)))
 

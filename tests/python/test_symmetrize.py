@@ -197,6 +197,15 @@ def test_what_makes_no_sense_is_told():
             symmetrize(truth, FACES, **wrong)
 
 
+@pytest.mark.parametrize("seed", [11, 21])
+def test_a_plane_in_which_the_surface_is_pressed_together_is_told(seed):
+    """No message speaks of the pressed mirror image as if it was the surface."""
+    random = np.random.default_rng(seed)
+    places = random.normal(size=(int(random.integers(3, 6)), 3))
+    with pytest.raises(ValueError, match="not at all like its mirror image in this plane. Give pairs, a midline or another plane"):
+        symmetrize(places, None, plane=random.normal(size=(2, 3)))
+
+
 def test_a_plane_that_is_not_sure_is_told():
     egg = AT * [1.0, 0.8, 0.6] * (1 + 0.2 * AT[:, 2:])  # the mirror image of itself in two planes
     with pytest.warns(DeformationWarning, match="another plane"):
