@@ -83,10 +83,10 @@ std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual,
         return root;
     if (const auto root = rootBefore(slot, cut > 0 ? radiusOfClosing * cut : usual, pointed))
         return root;
-    if (const auto root = rootTowardsBody(usual)) // the head, which is thicker than its neck
-        return root;
     const std::size_t last = slotOf(ball.back());
-    return rootBeyond(last, radiusAt(last, usual));
+    if (const auto root = rootBeyond(last, radiusAt(last, usual)))
+        return root;
+    return rootTowardsBody(usual); // a head is thicker than its neck
 }
 
 /// Tells whether a handle turns the limb of a vertex, and no other one with it.
