@@ -166,10 +166,12 @@ def test_what_is_symmetric_is_not_called_less_so_afterwards():
     assert not any("farther from its mirror image" in str(each.message) for each in told)
 
 
-def test_a_plane_beside_the_surface_is_told():
+def test_what_comes_out_less_symmetric_is_told():
+    """A skull that is symmetric, and a pair that is none. (A plane beside the skull ends anywhere: the last bit decides.)"""
     at, faces = directions(40, 60)
+    vertices = skull(at, 3)
     with pytest.warns(DeformationWarning, match="farther from its mirror image than the surface was: the plane is hardly the right one"):
-        symmetrize(skull(at, 3), faces, plane=[[0.6, 0, 0], [1, 0, 0]])
+        symmetrize(vertices, faces, plane=[[0, 0, 0], [1, 0, 0]], pairs=[[vertices[:, 0].argmax(), vertices[:, 2].argmax()]])
 
 
 def test_what_does_not_count_is_carried():
