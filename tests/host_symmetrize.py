@@ -141,6 +141,13 @@ def test_landmarks_from_files(tmp_path):
     assert off(ms.current_mesh().vertex_matrix(), TRUTH) < 0.2
 
 
+def test_a_plane_in_which_the_surface_is_pressed_together_is_told():
+    ms = new_set()
+    ms.add_mesh(pymeshlab.Mesh(vertex_matrix=np.array([[1.36, 1.22, -0.51], [-0.3, -0.53, 0.57], [-0.06, 0.75, -1.85]])))
+    with pytest.raises(pymeshlab.PyMeshLabException, match="not at all like its mirror image in this plane"):
+        ms.apply_filter(SYMMETRIZE, plane_point=np.array([1.57, -0.1, 0.68]), plane_normal=np.array([-0.14, -0.38, 0.46]))
+
+
 def test_an_error_leaves_the_document_as_it_was(tmp_path):
     far = tmp_path / "far.csv"
     far.write_text("999999, 0, 0, 0\n")
