@@ -83,7 +83,7 @@ ReadRegions RegionReader::ReadPart(const RegionSource &source, bool isWhole, con
             std::vector<int> tag = source.tag;
             for (std::size_t i = 0; i < tag.size(); ++i)
                 if (found.loose.partOf[i] >= 0)
-                    tag[i] = noVertex;
+                    tag[i] = source.mesh.isCloud ? 0 : noVertex; // points of a cloud are counted among those around
             surface =
                 ReadFreeSurface(source.mesh, tag, metric, progress.Slice(0.55, 1), param.weldDistance, source.places);
             found.reach = std::max(found.reach, surface.reach);
@@ -112,7 +112,7 @@ void RegionReader::Divide(const RegionSource &source, const SurfaceGraph &surfac
         parts.back().isOne = true;
     std::vector<ReadRegions> within(parts.size());
     if (source.mesh.isCloud)
-        DivideCloud(source, surface, regions, progress.Slice(0.1, 1), parts, within, found);
+        DivideCloud(source, surface, regions, progress.Slice(0.1, 1), parts, within);
     else
         ParallelTasks(progress.Slice(0.1, 1), readingStage, within.size(), [&](std::size_t r, const Progress &part) {
             within[r] = ReadPart(parts[r], false, part);
@@ -131,11 +131,10 @@ void RegionReader::Divide(const RegionSource &source, const SurfaceGraph &surfac
 /// them.
 void RegionReader::DivideCloud(const RegionSource &source, const SurfaceGraph &surface, const SurfaceRegions &regions,
                                const Progress &progress, std::vector<RegionSource> &parts,
-                               std::vector<ReadRegions> &within, const ReadRegions &found) {
+                               std::vector<ReadRegions> &within) {
     if (parts.empty())
         return;
-    const auto isLoose = [&](std::size_t i) { return !found.loose.partOf.empty() && found.loose.partOf[i] >= 0; };
-    const auto isLive = [&](std::size_t i) { return source.tag[i] != noVertex && !isLoose(i); };
+    const auto isLive = [&](std::size_t i) { return source.tag[i] != noVertex; };
     const detail::CloudParts cloud(source.mesh, isLive, metric, progress.Slice(0, 0.1));
     std::vector<std::vector<std::uint32_t>> free(parts.size()); // slots, also those that share a point handle's node
     std::vector<Index> of;

@@ -43,8 +43,7 @@ class RegionReader {
     void Divide(const RegionSource &source, const SurfaceGraph &surface, const HeldNodes &held,
                 const SurfaceRegions &regions, const Progress &progress, ReadRegions &found);
     void DivideCloud(const RegionSource &source, const SurfaceGraph &surface, const SurfaceRegions &regions,
-                     const Progress &progress, std::vector<RegionSource> &parts, std::vector<ReadRegions> &within,
-                     const ReadRegions &found);
+                     const Progress &progress, std::vector<RegionSource> &parts, std::vector<ReadRegions> &within);
     ReadRegion RegionOf(const RegionSource &source, SurfaceGraph surface, HeldNodes held) const;
     void FindGiven(const RegionSource &source, const SurfaceGraph &surface, const HeldNodes &held, ReadRegions &found);
 

@@ -88,12 +88,16 @@ inline CloudPairs PairNeighbours(const Eigen::Matrix3Xf &position, float hair, b
     return pairs;
 }
 
-/// The graph with an edge between two points if either is a neighbour of the other. \param edgeLengths out: their sum
-/// \throw BadInput more edges than indices can number
-inline Csr ConnectPoints(const Eigen::Matrix3Xf &position, const CloudPairs &pairs, double &edgeLengths,
-                         const Progress &progress) {
+/// The graph with an edge between two points if either is a neighbour of the other. What a held point has for
+/// neighbours depends on how many points around it are read, so between a free and a held point only those of the free
+/// one count. \param isHeld isHeld(point) \param edgeLengths out: their sum \throw BadInput more edges than indices can
+/// number
+template <class IsHeld>
+Csr ConnectPoints(const Eigen::Matrix3Xf &position, const CloudPairs &pairs, const IsHeld &isHeld,
+                  const Progress &progress) {
     const Index n = Index(position.cols());
     const std::size_t grain = 1 << 14, chunks = (std::size_t(n) + grain - 1) / grain;
+    const auto counts = [&](Index u, Index v) { return !isHeld(u) || isHeld(v); }; // that v is a neighbour of u
     // Neighbours in one direction only: v, and the point u that has v as its neighbour.
     std::vector<std::vector<std::pair<Index, Index>>> oneWay(chunks);
     const std::unique_ptr<std::atomic<std::uint32_t>[]> more(new std::atomic<std::uint32_t>[n]);
@@ -107,7 +111,7 @@ inline Csr ConnectPoints(const Eigen::Matrix3Xf &position, const CloudPairs &pai
                     list.reserve(2 * (last - first));
                     for (Index u = Index(first); u < Index(last); ++u)
                         for (const Index *v = pairs.Row(u); v < pairs.Row(u) + pairs.each; ++v)
-                            if (!pairs.Has(*v, u)) {
+                            if (counts(u, *v) && !(pairs.Has(*v, u) && counts(*v, u))) {
                                 more[*v].fetch_add(1, std::memory_order_relaxed);
                                 list.emplace_back(*v, u);
                             }
@@ -116,7 +120,9 @@ inline Csr ConnectPoints(const Eigen::Matrix3Xf &position, const CloudPairs &pai
     AssignLarge(graph.begin, std::size_t(n) + 1, 0u);
     std::size_t items = 0;
     for (Index u = 0; u < n; ++u) {
-        items += pairs.each + more[u].load(std::memory_order_relaxed);
+        items +=
+            std::size_t(std::count_if(pairs.Row(u), pairs.Row(u) + pairs.each, [&](Index v) { return counts(u, v); }));
+        items += more[u].load(std::memory_order_relaxed);
         graph.begin[u + 1] = std::uint32_t(items);
     }
     CheckEdges(items);
@@ -124,24 +130,30 @@ inline Csr ConnectPoints(const Eigen::Matrix3Xf &position, const CloudPairs &pai
     ParallelFor(progress.Slice(0.4, 0.7), findingNeighbours, std::size_t(n), grain,
                 [&](std::size_t first, std::size_t last) {
                     for (Index u = Index(first); u < Index(last); ++u)
-                        std::copy(pairs.Row(u), pairs.Row(u) + pairs.each, graph.item.data() + graph.begin[u]);
-                    for (const auto &each : oneWay[first / grain]) // in any order; sorted below
-                        graph.item[graph.begin[each.first] + pairs.each +
-                                   more[each.first].fetch_sub(1, std::memory_order_relaxed) - 1] = each.second;
+                        std::copy_if(pairs.Row(u), pairs.Row(u) + pairs.each, graph.item.data() + graph.begin[u],
+                                     [&](Index v) { return counts(u, v); });
+                    for (const auto &[v, u] : oneWay[first / grain]) // in any order; sorted below
+                        graph.item[graph.begin[v + 1] - more[v].fetch_sub(1, std::memory_order_relaxed)] = u;
                 });
-    std::vector<double> lengths(chunks, 0);
-    ParallelFor(
-        progress.Slice(0.7, 1), findingNeighbours, std::size_t(n), grain, [&](std::size_t first, std::size_t last) {
-            for (Index u = Index(first); u < Index(last); ++u) {
-                Index *begin = graph.item.data() + graph.begin[u], *end = graph.item.data() + graph.begin[u + 1];
-                SortShort(begin, end);
-                for (const Index *v = begin; v < end; ++v)
-                    if (u < *v)
-                        lengths[first / grain] += (position.col(*v) - position.col(u)).norm();
-            }
-        });
-    edgeLengths = std::accumulate(lengths.begin(), lengths.end(), 0.0);
+    ParallelFor(progress.Slice(0.7, 1), findingNeighbours, std::size_t(n), grain,
+                [&](std::size_t first, std::size_t last) {
+                    for (std::size_t u = first; u < last; ++u)
+                        SortShort(graph.item.data() + graph.begin[u], graph.item.data() + graph.begin[u + 1]);
+                });
     return graph;
+}
+
+/// The sum of the lengths of a graph's edges.
+inline double EdgeLengths(const Graph &graph, unsigned threads) {
+    const auto n = std::size_t(graph.Size()), grain = std::size_t(1) << 14;
+    std::vector<double> lengths((n + grain - 1) / grain, 0);
+    ParallelFor(threads, n, grain, [&](std::size_t first, std::size_t last) {
+        for (Index u = Index(first); u < Index(last); ++u)
+            for (Index v : graph.adjacency[u])
+                if (u < v)
+                    lengths[first / grain] += (graph.position.col(v) - graph.position.col(u)).norm();
+    });
+    return std::accumulate(lengths.begin(), lengths.end(), 0.0);
 }
 
 /// Finds clumps of so many points that all neighbours are inside of them: components of the graph that are much smaller

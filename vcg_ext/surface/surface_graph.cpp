@@ -194,8 +194,8 @@ class SurfaceReader {
                 continue;
             }
             if (pairs.same.empty()) {
-                double edgeLengths = 0;
-                s.graph.adjacency = ConnectPoints(x, pairs, edgeLengths, progress.Slice(0.8, 0.95));
+                s.graph.adjacency = ConnectPoints(
+                    x, pairs, [&](Index u) { return s.IsHeld(u); }, progress.Slice(0.8, 0.95));
                 std::vector<Index> componentOf;
                 const Index components =
                     ConnectedComponents(s.graph.adjacency, componentOf, progress.Slice(0.95, 0.96), findingNeighbours);
@@ -205,7 +205,8 @@ class SurfaceReader {
                     s.nodeArea = std::move(pairs.area);
                     for (Index u = 0; u < s.graph.Size(); ++u)
                         s.nodeArea[u] = s.IsHeld(u) ? 0 : s.nodeArea[u];
-                    return edgeLengths;
+                    LeaveOutHeldApart();
+                    return EdgeLengths(s.graph, progress.threads);
                 }
             }
             DisjointSets joined(Index(s.graph.position.cols()));
@@ -216,6 +217,39 @@ class SurfaceReader {
                 s.report.welded += into[u] != u;
             JoinNodes(std::move(into), {});
         }
+    }
+
+    /// Drops the held nodes of a cloud that have no free neighbour and no free vertex. They were read to find the free
+    /// points' neighbours; nothing that is free depends on them.
+    void LeaveOutHeldApart() {
+        Csr &adjacency = s.graph.adjacency;
+        const Index n = s.graph.Size();
+        std::vector<char> isApart(n, 0);
+        for (Index u = 0; u < n; ++u)
+            isApart[u] = s.IsHeld(u) &&
+                         std::all_of(adjacency[u].begin(), adjacency[u].end(), [&](Index v) { return s.IsHeld(v); });
+        if (std::find(isApart.begin(), isApart.end(), 1) == isApart.end())
+            return;
+        for (std::uint32_t slot : s.slots)
+            if (tag[slot] == 1 && s.nodeOf[slot] >= 0)
+                isApart[s.nodeOf[slot]] = 0;
+        JoinNodes({}, isApart);
+        std::uint32_t first = 0, kept = 0; // items
+        for (Index u = 0; u < n; ++u) {
+            const std::uint32_t last = adjacency.begin[u + 1];
+            if (const Index now = newIndex[u]; now >= 0) {
+                for (std::uint32_t i = first; i < last; ++i)
+                    if (const Index v = newIndex[adjacency.item[i]]; v >= 0)
+                        adjacency.item[kept++] = v;
+                adjacency.begin[now + 1] = kept;
+                s.nodeArea[now] = s.nodeArea[u];
+            }
+            first = last;
+        }
+        const auto nodes = std::size_t(s.graph.position.cols());
+        adjacency.begin.resize(nodes + 1);
+        adjacency.item.resize(kept);
+        s.nodeArea.resize(nodes);
     }
 
     /// Welds nodes; sets newIndex. \param into as of Seams \param leftOut flags of nodes, or empty: nodes that are
