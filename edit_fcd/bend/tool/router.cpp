@@ -191,7 +191,7 @@ void BendTool::foresee() {
     isReading = !session->isRead() && (foreseen.tag || foreseen.slot) && isForLimb(foreseen);
     if (isReading) {
         isForeseeing = true;
-        QTimer::singleShot(50, this, [this] { guarded([&] { foresee(); }); });
+        later([this] { foresee(); }, 50);
         panel->showState(stateText());
         return;
     }
