@@ -38,11 +38,11 @@ struct Part {
 
 double BendReach::closingRadius(std::size_t slot, double usual) {
     wait();
-    if (const auto known = closing.find({slot, usual}); known != closing.end())
+    if (const auto known = closings.find({slot, usual}); known != closings.end())
         return known->second;
-    if (closing.size() >= mostClosing)
-        closing.clear();
-    return closing[{slot, usual}] = findClosingRadius(slot, usual);
+    if (closings.size() >= mostClosing)
+        closings.clear();
+    return closings[{slot, usual}] = findClosingRadius(slot, usual);
 }
 
 double BendReach::findClosingRadius(std::size_t slot, double usual) const {

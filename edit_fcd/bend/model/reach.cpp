@@ -79,7 +79,7 @@ void BendReach::clear() {
     coarse.reset();
     from.clear();
     reached.clear();
-    closing.clear();
+    closings.clear();
     extents.clear();
 }
 

@@ -153,7 +153,7 @@ class BendReach {
     std::vector<float> partArea;                ///< of each part, frame units^2
     std::vector<std::size_t> reached, from;     ///< result and argument of the last call of of()
     double within = 0;
-    std::map<std::pair<std::size_t, double>, double> closing; ///< results of closingRadius()
+    std::map<std::pair<std::size_t, double>, double> closings; ///< results of closingRadius()
     std::size_t mostExtents = 24; ///< as many as a user has handles; each is some megabytes for a large layer
     std::list<std::shared_ptr<BendExtent>> extents; ///< a cache, the last used one first
 };
