@@ -641,7 +641,7 @@ def test_what_is_typed_is_a_number_or_refused(window, tmp_path):
     mark_two_regions(w)
     w.do("mousemove", X, Y + 200)
     handle = points[:, 0] > 0.9
-    for key, text in (("g", "move: move the mouse"), ("r", "turn: move the mouse, X Y Z, or type degrees; Enter, Esc; wheel: how much turns"),
+    for key, text in (("g", "move: move the mouse"), ("r", "turn: move the mouse, X Y Z, degrees; wheel: how far; Enter, Esc; or drag along a limb"),
                       ("s", "scale: move the mouse")):
         w.key(key)
         assert w.text().rpartition("trace: says: ")[2].startswith("Handle 2: " + text)
@@ -1065,6 +1065,28 @@ def open_figure(window, tmp_path, mode="m"):
     w = window(write_ply(tmp_path / "figure.ply", points.astype(np.float32), faces))
     w.start_tool(mode=mode)
     return w, points, faces, body
+
+
+def test_what_a_drag_does_is_said_once_the_surface_is_read(window, tmp_path):
+    """Not that it pulls where it will turn, and without another move of the mouse. All that is said of keys is seen without scrolling."""
+    points, faces = tube_of(*LIMB)
+    points[points[:, 0] < -0.4, 1:] *= 3 # a body
+    w = window(write_ply(tmp_path / "limb.ply", points, faces))
+    w.start_tool(mode=None) # Drag
+    w.do("mousemove", X + 5, Y)
+    said = re.findall("trace: says: (.*)", w.text())
+    assert said[-2:] == ["The surface is being read: in a moment you see what a drag moves.",
+                         "Drag this: its limb turns so that it follows. G pulls it alone."]
+    w.shot("read")
+    w.key("r")
+    w.shot("keys")
+    w.key("s", "g", "shift+j", "Escape", "j", "Escape")
+    w.press_and_move((X + 150, Y), (X + 140, Y - 60))
+    w.shot("dragged")
+    w.do("click", 4, "mouseup", 1)
+    w.key("r", "Escape")
+    heights = re.findall(r"trace: text: (\d+) of (\d+) pixels", w.text())
+    assert len(heights) > 8 and all(int(text) <= int(room) for text, room in heights), heights
 
 
 def test_a_limb_follows_the_mouse(window, tmp_path):

@@ -5,8 +5,8 @@
 
 #include <QFileDialog>
 
-void LayerTool::later(const std::function<void()> &work) {
-    QTimer::singleShot(0, this, [this, work] { guarded(work); });
+void LayerTool::later(const std::function<void()> &work, int milliseconds) {
+    QTimer::singleShot(milliseconds, this, [this, work] { guarded(work); });
 }
 
 void LayerTool::every(QTimer &timer, const std::function<void()> &work) {

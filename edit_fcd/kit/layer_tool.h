@@ -40,8 +40,8 @@ class LayerTool : public HostEditTool {
     void when(const Sender *sender, Signal signal, Slot slot) {
         connect(sender, signal, this, [this, slot](auto... what) { this->guarded([&] { slot(what...); }); });
     }
-    /// Does \p work in the next turn of the event loop.
-    void later(const std::function<void()> &work);
+    /// Does \p work in the next turn of the event loop, or so many milliseconds later.
+    void later(const std::function<void()> &work, int milliseconds = 0);
     /// Does \p work, and nothing else, at each timeout of \p timer. The timer stops if it fails.
     void every(QTimer &timer, const std::function<void()> &work);
 

@@ -70,6 +70,8 @@ void ToolPanel::showState(const QString &said) {
         return;
     trace("says: %s", qPrintable(said));
     text->setText(said);
+    const QWidget &room = *text->parentWidget();
+    trace("text: %d of %d pixels", text->heightForWidth(room.width()), room.height());
 }
 
 void connectSlider(QSlider &slider, const std::function<void()> &begins, const std::function<void(int)> &changes) {

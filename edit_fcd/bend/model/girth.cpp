@@ -21,6 +21,12 @@ const double lengthOfGirth = 1. / 3;
 // Anything smaller is a spike of a scan.
 const double leastArea = 0.5;
 
+const std::size_t mostClosing = 10000; // that are kept, of one surface
+
+// Radius of the largest ball that may close around a limb, over the usual radius. Legs of some animals are so thick
+// that the usual one just closes, or just does not where ways lead along coarse edges.
+const double largestClosing = 4 / EIGEN_PI;
+
 /// A connected part of the surface outside of a ball.
 struct Part {
     double reach = std::numeric_limits<double>::infinity(); ///< distance of its remotest node, if that was in the ball
@@ -32,9 +38,18 @@ struct Part {
 
 double BendReach::closingRadius(std::size_t slot, double usual) {
     wait();
+    if (const auto known = closings.find({slot, usual}); known != closings.end())
+        return known->second;
+    if (closings.size() >= mostClosing)
+        closings.clear();
+    return closings[{slot, usual}] = findClosingRadius(slot, usual);
+}
+
+double BendReach::findClosingRadius(std::size_t slot, double usual) const {
     const vcg::fcd::Graph &graph = surface->graph;
     std::vector<double> distances;
-    const std::vector<vcg::fcd::Index> ball = nodesWithin({slot}, (1 + lengthOfGirth) * usual, &distances);
+    const std::vector<vcg::fcd::Index> ball =
+        nodesWithin({slot}, (1 + lengthOfGirth) * largestClosing * usual, &distances);
     const Pieces beside = piecesBeside(isAmong(ball));
     const std::size_t pieces = beside.area.size(), none = ball.size();
     if (pieces == 0)
@@ -60,7 +75,7 @@ double BendReach::closingRadius(std::size_t slot, double usual) {
     };
     // Shrinks the ball: its nodes join the parts outside. Once two parts meet, a smaller ball does not cut off the one
     // of less reach.
-    const double most = usual / surface->frame.scale;
+    const double most = largestClosing * usual / surface->frame.scale;
     double cut = 0;
     for (std::size_t k = ball.size(); k-- > 0;) {
         std::size_t own = pieces + k;

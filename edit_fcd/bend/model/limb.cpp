@@ -139,6 +139,10 @@ std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double radius
     while (at > start) {
         const auto there = std::find_if(fromHere.begin(), fromHere.end(),
                                         [&](vcg::fcd::Index u) { return section[std::size_t(u)] == at; });
+        if (there == fromHere.end()) { // faces are longer than a section
+            --at;
+            continue;
+        }
         if (turnsOneLimb(slotOf(*there), pointed))
             return slotOf(*there);
         at = (start + at) / 2; // for a leg, before the tail

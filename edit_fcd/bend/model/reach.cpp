@@ -79,6 +79,7 @@ void BendReach::clear() {
     coarse.reset();
     from.clear();
     reached.clear();
+    closings.clear();
     extents.clear();
 }
 

@@ -11,6 +11,7 @@
 #include <functional>
 #include <future>
 #include <list>
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -102,8 +103,9 @@ class BendReach {
   private:
     void wait();
     /// Radius of the smallest ball around a vertex that closes around its limb, world units; 0: the vertex is on no
-    /// limb, or near its end. \param usual the largest radius
+    /// limb, or near its end. \param usual the largest one is somewhat larger
     double closingRadius(std::size_t slot, double usual);
+    double findClosingRadius(std::size_t slot, double usual) const;
     /// The radius of a handle on a limb, over the closing radius. That ball reaches half around the limb, pi / 2 times
     /// the thickness. A radius of twice the thickness leaves a strip as wide as the limb is thick to bend.
     static constexpr double radiusOfClosing = 4 / EIGEN_PI;
@@ -151,6 +153,7 @@ class BendReach {
     std::vector<float> partArea;                ///< of each part, frame units^2
     std::vector<std::size_t> reached, from;     ///< result and argument of the last call of of()
     double within = 0;
+    std::map<std::pair<std::size_t, double>, double> closings; ///< results of closingRadius()
     std::size_t mostExtents = 24; ///< as many as a user has handles; each is some megabytes for a large layer
     std::list<std::shared_ptr<BendExtent>> extents; ///< a cache, the last used one first
 };

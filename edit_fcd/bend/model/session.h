@@ -72,6 +72,7 @@ class BendSession {
 
     /// Begins to read the surface for handles, in the background.
     void readAhead() { reach.begin(); }
+    bool isRead() const { return reach.isRead(); }
     /// The faces of each vertex, null while the surface is being read.
     const VertexFaces *faces() { return reach.faces(); }
     /// A preview of the extent of a new handle at a vertex, or of a handle, on the coarse surface. Null while the

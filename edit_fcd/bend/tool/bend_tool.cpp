@@ -119,6 +119,8 @@ QString BendTool::stateText() const {
         text = doing;
     else if (!panel->isBending())
         text = markingText();
+    else if (isReading)
+        text = "The surface is being read: in a moment you see what a drag moves.";
     else if (session->model().influence.handles().empty() && !isLimbForeseen)
         text = session->state().marks ? "Mark a handle (red), then drag it."
                                       : "Drag a point of the surface, or mark what is fixed and what is a handle.";
@@ -140,10 +142,10 @@ QString BendTool::stateText() const {
     if (drag && !drag->carried.empty())
         text += "\nHandles beyond it go along, except locked ones.";
     if (drag && isKeptApart(session->model(), drag->tag))
-        text += "\nDoes not affect areas bent by other handles; scroll to include them.";
+        text += "\nWhat others bend stays; the wheel includes it.";
     else if (session->model().influence.isLocal)
-        text += "\nNothing is marked as fixed: what is farther away than the reach stays.";
-    if (inContact > 0)
+        text += "\nWhat is farther away than the reach stays.";
+    if (inContact > 0 && !drag)
         text += QString("\n%1 triangles pass through others%2.")
                     .arg(inContact)
                     .arg(colors->isStretch(*session) ? ", shown in magenta" : "");

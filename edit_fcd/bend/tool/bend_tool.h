@@ -111,6 +111,7 @@ class BendTool : public BendStage {
     int keysTag = 0;                                  ///< the handle for keys there, 0: none
     Place foreseen;                                   ///< under the mouse; its preview follows
     bool isForeseeing = false;                        ///< a call of foresee() is queued
+    bool isReading = false;                           ///< foresee() waits until the surface is read
     std::vector<Eigen::Vector3d> foreseenPivots;      ///< about which it would turn, world
     bool isLimbForeseen = false;                      ///< a press would turn a limb
     std::optional<GizmoPart> lit;                     ///< the part of the gizmo under the mouse

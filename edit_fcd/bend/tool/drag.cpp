@@ -185,11 +185,11 @@ std::string BendDrag::text(const Camera &view) const {
         return text + " " + typed + "_" +
                (isRefused() ? ", which is no number: Backspace takes back what was typed" : "");
     if (isBeginning(view))
-        return what == Limb ? "turn the limb: move the mouse, X Y Z, or type degrees; Enter, Esc; wheel: how much turns"
-               : what == Move ? "move: move the mouse, X Y Z, or type a length; Enter, Esc; wheel: how far it bends"
-               : what == Turn ? "turn: move the mouse, X Y Z, or type degrees; Enter, Esc; wheel: how much turns; or "
-                                "drag from here along a limb, which turns about here"
-                              : "scale: move the mouse, X Y Z, or type a factor; Enter, Esc; wheel: how much is scaled";
+        return text + ": move the mouse, X Y Z, " +
+               (what == Move    ? "a length"
+                : what == Scale ? "a factor"
+                                : "degrees") +
+               "; wheel: how far; Enter, Esc" + (what == Turn ? "; or drag along a limb" : "");
     const auto added = step(view);
     const auto digits = [](double x) {
         char number[32];

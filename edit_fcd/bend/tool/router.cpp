@@ -184,9 +184,17 @@ void BendTool::hover() {
 
 /// Previews how much a press would move, and about which pivot.
 void BendTool::foresee() {
-    isForeseeing = false;
+    isForeseeing = isReading = false;
     if (!layer() || going || preparing || !panel->isBending() || isSuspended)
         return;
+    session->readAhead();
+    isReading = !session->isRead() && (foreseen.tag || foreseen.slot) && isForLimb(foreseen);
+    if (isReading) {
+        isForeseeing = true;
+        later([this] { foresee(); }, 50);
+        panel->showState(stateText());
+        return;
+    }
     int tag = foreseen.tag;
     const std::optional<std::size_t> slot = foreseen.slot;
     const BendModel &model = session->model();
