@@ -352,30 +352,6 @@ TEST(BendModel, ALimbTurnsWithoutTheNextOne) {
         EXPECT_GT(turned[k], 3) << k;
 }
 
-TEST(BendModel, ThickLegsAreLimbs) {
-    // A trunk on four legs, which are as long as twice their thickness, and so thick that a ball that closes around one
-    // is larger than the usual radius.
-    const auto isIn = [](const Eigen::Vector3d &p) {
-        const bool isLeg = p[1] < 0 && std::abs(std::abs(p[0]) - 0.9) < 0.12 && std::abs(std::abs(p[2]) - 0.24) < 0.12;
-        return isLeg || (p[1] > 0 && std::abs(p[0]) < 1.2 && std::abs(p[2]) < 0.4);
-    };
-    Bent bent(BlocksOf(0.08, {Eigen::Vector3d(-1.4, -0.48, -0.5), Eigen::Vector3d(1.4, 0.7, 0.5)}, isIn));
-    const double usual = 0.14 * bent.model.ground.diagonal;
-    int turned = 0, all = 0;
-    for (std::size_t i = 0; i < bent.position.size(); i += 3)
-        if (const Eigen::Vector3d &p = bent.position[i]; p[1] < -0.12) {
-            ++all;
-            const auto root = bent.reach.rootOfLimb(i, usual, 0.01);
-            turned += root.has_value();
-            if (!root)
-                continue;
-            const auto turns = bent.reach.whole({*root}, bent.reach.radiusAt(*root, usual), 0.01);
-            EXPECT_GT(turns->shareOf(i), 0.5f) << p.transpose();
-            EXPECT_EQ(turns->shareOf(bent.nearest({-p[0], p[1], p[2]})), 0) << "another leg";
-        }
-    EXPECT_GT(turned, 0.4 * all) << "it was a tenth";
-}
-
 TEST(BendModel, ALimbOfLongFacesHasARoot) {
     // Faces are longer than the cross-sections in which the root is looked for, so that some have no vertex.
     for (const int columns : {4, 10, 16}) {

@@ -23,10 +23,6 @@ const double leastArea = 0.5;
 
 const std::size_t mostClosing = 10000; // that are kept, of one surface
 
-// Radius of the largest ball that may close around a limb, over the usual radius. Legs of some animals are so thick
-// that the usual one just closes, or just does not where ways lead along coarse edges.
-const double largestClosing = 4 / EIGEN_PI;
-
 /// A connected part of the surface outside of a ball.
 struct Part {
     double reach = std::numeric_limits<double>::infinity(); ///< distance of its remotest node, if that was in the ball
@@ -48,8 +44,7 @@ double BendReach::closingRadius(std::size_t slot, double usual) {
 double BendReach::findClosingRadius(std::size_t slot, double usual) const {
     const vcg::fcd::Graph &graph = surface->graph;
     std::vector<double> distances;
-    const std::vector<vcg::fcd::Index> ball =
-        nodesWithin({slot}, (1 + lengthOfGirth) * largestClosing * usual, &distances);
+    const std::vector<vcg::fcd::Index> ball = nodesWithin({slot}, (1 + lengthOfGirth) * usual, &distances);
     const Pieces beside = piecesBeside(isAmong(ball));
     const std::size_t pieces = beside.area.size(), none = ball.size();
     if (pieces == 0)
@@ -75,7 +70,7 @@ double BendReach::findClosingRadius(std::size_t slot, double usual) const {
     };
     // Shrinks the ball: its nodes join the parts outside. Once two parts meet, a smaller ball does not cut off the one
     // of less reach.
-    const double most = largestClosing * usual / surface->frame.scale;
+    const double most = usual / surface->frame.scale;
     double cut = 0;
     for (std::size_t k = ball.size(); k-- > 0;) {
         std::size_t own = pieces + k;

@@ -103,7 +103,7 @@ class BendReach {
   private:
     void wait();
     /// Radius of the smallest ball around a vertex that closes around its limb, world units; 0: the vertex is on no
-    /// limb, or near its end. \param usual the largest one is somewhat larger
+    /// limb, or near its end. \param usual the largest radius
     double closingRadius(std::size_t slot, double usual);
     double findClosingRadius(std::size_t slot, double usual) const;
     /// The radius of a handle on a limb, over the closing radius. That ball reaches half around the limb, pi / 2 times
