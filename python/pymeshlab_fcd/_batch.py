@@ -21,7 +21,7 @@ from typing import Any, TextIO
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _files, _measures, _splats, _tables, _workers
+from . import _files, _measures, _splats, _tables, _workers, samples
 from ._compensate import compensate
 from ._curves import read_curves
 from ._deform import _posed, deform
@@ -30,7 +30,7 @@ from ._fit import fit
 from ._inputs import Points
 from ._mean import mean_shape
 from ._motion import Motion
-from ._numbers import lengths, shown
+from ._numbers import lengths, shown, told
 from ._ply import Ply
 from ._pose import Pose
 from ._results import Row, Table, state
@@ -43,6 +43,18 @@ _FITTED = ("matched", "rms", "median", "percentile_95", "guessed", "landmark_res
 _POSED = ("nodes", "folded", "strained", "contact", "contact_depth", "largest_stretch", "converged")
 _COMPENSATED = ("before", "left", "scanned", "change", "change_most", "missed")
 _SYMMETRIC = ("before", "after", "asymmetry", "asymmetry_most", "moved", "moved_most", "matched", "is_sure")
+
+_PARAMETERS = {  # options that the job's function takes as they are
+    "fit": ("start", "stiffness", "rigidity", "largest_distance", "largest_angle", "both_ways", "landmark_tolerance", "patches", "steps"),
+    "deform": ("smoothness", "max_iterations"),
+    "straighten": ("degrees", "middle", "smoothing", "untwist"),
+    "symmetrize": ("stiffness", "largest_distance", "landmark_tolerance", "steps"),
+    "compensate": ("degree", "largest_distance", "samples"),
+}
+
+
+def _parameters(given: argparse.Namespace) -> dict[str, Any]:
+    return {name: getattr(given, name) for name in _PARAMETERS[given.job]}
 
 
 def _target(path: Path, weights: str | None = None) -> tuple[Points, NDArray[np.int64] | None, NDArray[np.float64] | None]:
@@ -116,9 +128,8 @@ def _fit(given: argparse.Namespace, scan: Path, out: Path, threads: int) -> Row:
     landmarks = None if pairs is None else (pairs[:, :3], pairs[:, 3:])
     curves = read_curves(_curves_of(given.curves, scan)) if given.curves else None
     fitted = fit(template.vertices, template.faces, target, faces, landmarks=landmarks, curves=curves, normals=template.normals,
-                 weights=template.column(given.weights) if given.weights else None, target_weights=target_weights, start=given.start,
-                 stiffness=given.stiffness, rigidity=given.rigidity, largest_distance=given.largest_distance, largest_angle=given.largest_angle,
-                 both_ways=given.both_ways, landmark_tolerance=given.landmark_tolerance, patches=given.patches, steps=given.steps, threads=threads)
+                 weights=template.column(given.weights) if given.weights else None, target_weights=target_weights, threads=threads,
+                 **_parameters(given))
     return _write(template, fitted, out, _FITTED, given)
 
 
@@ -138,8 +149,7 @@ def _compensate(given: argparse.Namespace, scan: Path, out: Path, threads: int) 
     nominal = Ply(given.nominal)
     target, faces, _ = _target(scan)
     normals = Ply(scan).normals if faces is None and scan.suffix.lower() == ".ply" else None
-    made = compensate(nominal.vertices, nominal.faces, target, faces, scan_normals=normals, degree=given.degree,
-                      largest_distance=given.largest_distance, samples=given.samples, threads=threads)
+    made = compensate(nominal.vertices, nominal.faces, target, faces, scan_normals=normals, threads=threads, **_parameters(given))
     nominal.save(out, made.vertices, _normals_of(nominal, made.vertices))
     return {name: getattr(made.info, name) for name in _COMPENSATED}
 
@@ -173,7 +183,7 @@ def _deform(given: argparse.Namespace, path: Path, out: Path, threads: int) -> R
     if not (tags == np.round(tags)).all():
         raise ValueError(f"{given.tags} of the vertices of {path} must be tags, whole numbers")
     pose = _posed(ply.vertices, ply.faces, tags.astype(np.int64), _moves(given), None, given.percent, given.steps, None, None,
-                  {"normals": ply.normals, "smoothness": given.smoothness, "max_iterations": given.max_iterations, "threads": threads})
+                  {"normals": ply.normals, "threads": threads, **_parameters(given)})
     return _write(ply, pose, out, _POSED, given)
 
 
@@ -192,8 +202,7 @@ def _apply(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Ro
 def _straighten(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
     ply = _read(path, given)
     line = _tables.numbers(Path(given.lines) / f"{path.stem}.csv", 3, "x, y, z")
-    made = straighten(ply.vertices, ply.faces, line, degrees=given.degrees, middle=given.middle, smoothing=given.smoothing, untwist=given.untwist,
-                      normals=ply.normals, threads=threads)
+    made = straighten(ply.vertices, ply.faces, line, normals=ply.normals, threads=threads, **_parameters(given))
     measured = made.line
     return {"length": measured.length, "new_length": measured.new_length, "twist": measured.twist, "released": measured.released,
             **_write(ply, made, out, _POSED, given)}
@@ -207,8 +216,7 @@ def _symmetrize(given: argparse.Namespace, path: Path, out: Path, threads: int) 
     ply = _read(path, given)
     pairs = _marks(given.pairs, path, 6, "x, y, z on the left and x, y, z on the right")
     made = symmetrize(ply.vertices, ply.faces, pairs=None if pairs is None else pairs.reshape(-1, 2, 3), midline=_marks(given.midlines, path, 3, "x, y, z"),
-                      normals=ply.normals, stiffness=given.stiffness, largest_distance=given.largest_distance, landmark_tolerance=given.landmark_tolerance,
-                      steps=given.steps, threads=threads)
+                      normals=ply.normals, threads=threads, **_parameters(given))
     found = made.symmetry
     if given.other_side:
         other, normal = made.other_side(), np.asarray(found.plane[1])
@@ -254,7 +262,7 @@ def _job(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
             row.update(_JOBS[given.job](given, path, out, threads))
             row["error"] = ""
         except Exception as error:  # of any kind: the other files are done anyway
-            row["error"] = f"{error}" or type(error).__name__
+            row["error"] = told(error)
     row["seconds"] = round(time.perf_counter() - begin, 3)
     row["result"] = "" if row["error"] else state(*_results_of(given, out))
     row["warnings"] = " | ".join(dict.fromkeys(str(each.message) for each in caught if issubclass(each.category, UserWarning)))
@@ -287,7 +295,7 @@ def _on_cluster(client: Any, given: argparse.Namespace, jobs: Sequence[tuple[Pat
             try:
                 row = task.result()
             except Exception as error:  # of the cluster: a job puts its own error in its row
-                row = {"error": f"the cluster could not do it: {error or type(error).__name__}"}
+                row = {"error": f"the cluster could not do it: {told(error)}"}
             yield tasks[task], row
     finally:
         client.cancel(list(tasks))
@@ -411,6 +419,43 @@ def _say(text: str, file: TextIO | None = None) -> None:
     print(text.encode(kind, "backslashreplace").decode(kind), file=stream, flush=True)
 
 
+def _tried(given: argparse.Namespace) -> None:
+    """Raises ValueError for options that no file can be done with: they are tried on a small surface."""
+    if given.job not in _PARAMETERS:
+        return
+    vertices, faces, tags = samples.strip(9, 5)
+    some = [0, 4, 22, 40]
+    asked: dict[str, Any] = _parameters(given)
+    if asked.get("largest_distance", 0) > 0:
+        asked["largest_distance"] = 0.0  # any limit is right, but may leave nothing of this surface
+    with warnings.catch_warnings(), contextlib.suppress(RuntimeError):  # it has no solution; a file's may
+        warnings.simplefilter("ignore")
+        if given.job == "fit":
+            fit(vertices, faces, vertices, faces, landmarks=(some, vertices[some]) if given.landmarks else None, samples=100, **asked)
+        elif given.job == "deform":
+            deform(vertices, faces, tags, {}, percent=given.percent, steps=given.steps, **asked)
+        elif given.job == "straighten":
+            straighten(vertices, faces, vertices[2::5], **{**asked, "middle": False, "untwist": False})  # such a strip has none
+        elif given.job == "symmetrize":
+            symmetrize(vertices, faces, plane=[[5, 1, 0], [0, 1, 0]], samples=100, **asked)
+        else:
+            compensate(vertices, faces, vertices, faces, **{**asked, "samples": min(given.samples, 100)})
+
+
+def _shared(given: argparse.Namespace) -> None:
+    """Raises OSError or ValueError if what all files need cannot be read."""
+    if hasattr(given, "template"):
+        template = _read(given.template, given)
+        if given.weights:
+            template.column(given.weights)
+        if given.curves and not Path(given.curves).exists():
+            raise ValueError(f"--curves {shown(given.curves)} is neither a file nor a folder")
+    elif hasattr(given, "nominal"):
+        Ply(given.nominal)
+    elif hasattr(given, "deformation"):
+        Deformation.load(given.deformation)
+
+
 def _looked_at(parser: argparse.ArgumentParser, given: argparse.Namespace, paths: Sequence[Path], outs: Mapping[Path, Path]) -> None:
     """Ends a wrong command before anything is done."""
     if given.processes < 1:
@@ -429,8 +474,10 @@ def _looked_at(parser: argparse.ArgumentParser, given: argparse.Namespace, paths
             folder = getattr(given, name, None)
             if folder is not None and not Path(folder).is_dir():
                 raise ValueError(f"--{name} {shown(folder)} is no folder")
+        _shared(given)
+        _tried(given)
     except (OSError, ValueError) as error:
-        parser.error(f"{error}")
+        parser.error(told(error))
     if given.job == "info":
         return
     names: dict[str, Path] = {"mean.ply": Path("--mean")} if getattr(given, "mean", None) else {}
@@ -452,7 +499,7 @@ def _table(parser: argparse.ArgumentParser, given: argparse.Namespace, outs: Map
         table = Table(folder / f"{given.job}.csv", list(outs))
         others = {job: Table(folder / f"{job}.csv") for job in _JOBS if job not in ("info", given.job)}
     except (OSError, ValueError) as error:
-        parser.error(f"{error}")
+        parser.error(told(error))
     mean = folder / "mean.ply"  # its source in the table is itself
     written = [*outs.items(), *([(mean, mean)] if getattr(given, "mean", None) else [])] if given.job != "info" else []
     for path, out in written:
@@ -483,6 +530,8 @@ def _folder(parser: argparse.ArgumentParser, given: argparse.Namespace) -> conte
 def main(arguments: Sequence[str] | None = None) -> int:
     parser, jobs = _parsers()
     given = parser.parse_args(arguments)
+    if "" in [given.out, *given.files]:  # as of a variable of the shell that is not set
+        parser.error("a name is empty: give files, and a folder for --out")
     paths = list(dict.fromkeys(Path(each) for each in given.files))
     ending = "" if given.job == "info" else ".ply"
     outs = {path: Path(given.out or ".") / f"{path.stem}{ending}" for path in paths}
@@ -501,7 +550,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 141  # as by SIGPIPE
     except OSError as error:  # of the table or the mean: a job puts its own in its row
         with contextlib.suppress(OSError):
-            _say(f"ended: {error}; the same command goes on from here", sys.stderr)
+            _say(f"ended: {told(error)}; the same command goes on from here", sys.stderr)
         return 1
     except KeyboardInterrupt as ended:
         is_asked = isinstance(ended, _workers.Terminated)

@@ -50,6 +50,13 @@ def shown(path: str | bytes | os.PathLike[Any]) -> str:
     return os.fsencode(path).decode("utf-8", "backslashreplace").replace("\0", "\\0")
 
 
+def told(error: BaseException) -> str:
+    """What an error says, in a line for people: of a file, without the number of the error."""
+    if not isinstance(error, OSError) or error.filename is None:
+        return f"{error}" or type(error).__name__
+    return f"{shown(error.filename)} is a folder: give a file" if os.path.isdir(error.filename) else f"{shown(error.filename)}: {error.strerror}"
+
+
 def _kind(values: object, array: NDArray[Any]) -> str:
     return f"an array of {array.dtype}" if isinstance(values, np.ndarray) else f"a {type(values).__name__} that holds {array.dtype}"
 
