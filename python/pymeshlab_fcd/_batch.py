@@ -16,7 +16,7 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any, NamedTuple, TextIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,11 +57,20 @@ def _parameters(given: argparse.Namespace) -> dict[str, Any]:
     return {name: getattr(given, name) for name in _PARAMETERS[given.job]}
 
 
-def _target(path: Path, weights: str | None = None) -> tuple[Points, NDArray[np.int64] | None, NDArray[np.float64] | None]:
-    """Vertices, faces and weights of a scan."""
+class _Target(NamedTuple):
+    """A scan."""
+
+    vertices: Points
+    faces: NDArray[np.int64] | None
+    weights: NDArray[np.float64] | None = None
+    normals: Points | None = None
+    """Of a cloud."""
+
+
+def _target(path: Path, weights: str | None = None) -> _Target:
     if path.suffix.lower() == ".ply":
         ply = Ply(path)
-        return ply.vertices, ply.faces, ply.column(weights) if weights else None
+        return _Target(ply.vertices, ply.faces, ply.column(weights) if weights else None, ply.normals if ply.faces is None else None)
     if weights:
         raise ValueError(f"{path} is no PLY file, so it has no {weights}: save it as PLY, or leave --target-weights out")
     try:
@@ -82,8 +91,8 @@ def _target(path: Path, weights: str | None = None) -> tuple[Points, NDArray[np.
     if not sum(len(part.vertices) for part in parts):
         raise ValueError(f"{path} has neither a mesh nor points")
     begin = np.cumsum([0, *(len(part.vertices) for part in parts)])
-    return (np.concatenate([np.asarray(part.vertices, np.float64) for part in parts]),
-            np.concatenate([np.asarray(part.faces, np.int64) + first for part, first in zip(parts, begin)]) if meshes else None, None)
+    return _Target(np.concatenate([np.asarray(part.vertices, np.float64) for part in parts]),
+                   np.concatenate([np.asarray(part.faces, np.int64) + first for part, first in zip(parts, begin)]) if meshes else None)
 
 
 def _curves_of(given: str, scan: Path) -> Path:
@@ -112,7 +121,7 @@ def _read(path: Path, given: argparse.Namespace) -> Ply:
 def _write(ply: Ply, pose: Pose, out: Path, names: Sequence[str], given: argparse.Namespace) -> Row:
     """Writes the posed file, and its deformation if asked for. Returns its figures and measurements."""
     measured: Row = dict(_measures.take(_measures.read(given.measure), pose.vertices, ply.faces)) if given.measure else {}
-    normals = pose.normals if ply.normals is not None and (ply.faces is not None or pose.deformer._rest_normals is not None) else None
+    normals = pose.normals if ply.has_normals and (ply.faces is not None or pose.deformer._rest_normals is not None) else None
     ply.save(out, pose.vertices, normals)
     if given.deformations:
         _deformation_of(out).parent.mkdir(exist_ok=True)
@@ -123,33 +132,31 @@ def _write(ply: Ply, pose: Pose, out: Path, names: Sequence[str], given: argpars
 
 def _fit(given: argparse.Namespace, scan: Path, out: Path, threads: int) -> Row:
     template = _read(given.template, given)
-    target, faces, target_weights = _target(scan, given.target_weights)
+    target = _target(scan, given.target_weights)
     pairs = _marks(given.landmarks, scan, 6, "x, y, z on the template and x, y, z on the scan")
     landmarks = None if pairs is None else (pairs[:, :3], pairs[:, 3:])
     curves = read_curves(_curves_of(given.curves, scan)) if given.curves else None
-    fitted = fit(template.vertices, template.faces, target, faces, landmarks=landmarks, curves=curves, normals=template.normals,
-                 weights=template.column(given.weights) if given.weights else None, target_weights=target_weights, threads=threads,
+    fitted = fit(template.vertices, template.faces, target.vertices, target.faces, landmarks=landmarks, curves=curves, normals=template.normals,
+                 weights=template.column(given.weights) if given.weights else None, target_weights=target.weights, threads=threads,
                  **_parameters(given))
     return _write(template, fitted, out, _FITTED, given)
 
 
 def _normals_of(ply: Ply, vertices: Points) -> Points | None:
     """Normals of a mesh with other positions, by the area of the faces; None if the file has none."""
-    if ply.normals is None or ply.faces is None:
+    if not ply.has_normals or ply.faces is None:
         return None
-    corner = vertices[ply.faces]
-    across, normals = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), np.zeros_like(vertices)
-    for k in range(3):
-        np.add.at(normals, ply.faces[:, k], across)
+    corner, at = vertices[ply.faces], ply.faces.ravel()
+    across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    normals: Points = np.stack([np.bincount(at, np.repeat(along, 3), len(vertices)) for along in across.T], axis=1)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     return normals
 
 
 def _compensate(given: argparse.Namespace, scan: Path, out: Path, threads: int) -> Row:
     nominal = Ply(given.nominal)
-    target, faces, _ = _target(scan)
-    normals = Ply(scan).normals if faces is None and scan.suffix.lower() == ".ply" else None
-    made = compensate(nominal.vertices, nominal.faces, target, faces, scan_normals=normals, threads=threads, **_parameters(given))
+    target = _target(scan)
+    made = compensate(nominal.vertices, nominal.faces, target.vertices, target.faces, scan_normals=target.normals, threads=threads, **_parameters(given))
     nominal.save(out, made.vertices, _normals_of(nominal, made.vertices))
     return {name: getattr(made.info, name) for name in _COMPENSATED}
 
@@ -234,7 +241,7 @@ def _info(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row
         bend = Deformation.load(path)
         samples = bend.samples
         return {"samples": len(samples), "off_by": bend.largest_difference, "low": samples.min(0).tolist(), "high": samples.max(0).tolist()}
-    vertices, faces, _ = _target(path)
+    vertices, faces, *_ = _target(path)
     row: Row = {"vertices": len(vertices), "faces": 0 if faces is None else len(faces)}
     whole = vertices[np.isfinite(vertices).all(axis=1)]
     return {**row, "low": whole.min(0).tolist(), "high": whole.max(0).tolist()} if len(whole) else row
