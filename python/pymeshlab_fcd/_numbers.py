@@ -22,7 +22,8 @@ def plain(name: str, values: object, what: str = "an array of numbers") -> NDArr
     except Exception as error:  # of another library
         raise TypeError(f"{name} cannot be read as {what}: {error}") from error
     if array.dtype.kind not in "fiub":
-        raise TypeError(f"{name} must be {what}; {_kind(values, array)} is none")
+        remedy = ". If all of it is numbers, use .astype(np.float64) or .astype(np.int64)" if array.dtype.kind == "O" and array.ndim else ""
+        raise TypeError(f"{name} must be {what}; {_kind(values, array)} is none{remedy}")
     return array
 
 

@@ -12,7 +12,6 @@ from . import _core, _inputs, _meshes
 from ._deformer import Deformer, Plan
 from ._inputs import Points
 from ._meshes import MeshLike
-from ._numbers import plain
 from ._pose import Pose
 from ._progress import Progress, report, shared
 from ._warnings import FoldWarning, LineWarning, Told, triangles_turned, warn
@@ -71,7 +70,7 @@ class Straightened(Pose):
 
 
 def _direction(name: str, value: ArrayLike | None) -> Points:
-    return np.zeros((1, 3)) if value is None else _inputs.finite(name, _inputs.rows(name, np.atleast_2d(plain(name, value)), 1, "one"))
+    return np.zeros((1, 3)) if value is None else _inputs.vector(name, value)[None]
 
 
 def straighten(

@@ -166,7 +166,7 @@ def test_folds_are_warned_of():
     (AXIS, {"target": [[0, 0, 0]]}, "Of the line that it goes to: The line has one point only"),
     (AXIS[:, :2], {}, "line must be n x 3"),
     (AXIS * np.nan, {}, "line must be finite"),
-    (AXIS, {"direction": [1, 2]}, "direction must be n x 3"),
+    (AXIS, {"direction": [1, 2]}, r"direction must be 3 numbers; it is 2 of int64"),
     (None, {}, "there is no line: it comes after the faces"),
     (AXIS, {"middle": 1}, "middle must be True or False; it is 1"),
     (AXIS, {"untwist": "no"}, "untwist must be True or False; it is 'no'"),
