@@ -148,7 +148,7 @@ def _normals_of(ply: Ply, vertices: Points) -> Points | None:
         return None
     corner, at = vertices[ply.faces], ply.faces.ravel()
     across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    normals: Points = np.stack([np.bincount(at, np.repeat(along, 3), len(vertices)) for along in across.T], axis=1)
+    normals = np.stack([np.bincount(at, np.repeat(along, 3), len(vertices)) for along in across.T], axis=1).astype(np.float64, copy=False)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     return normals
 

@@ -273,15 +273,15 @@ def test_scans_are_whole_scenes(tmp_path, capsys):
     trimesh.Scene([trimesh.load_path([[[0, 0, 0], [1, 0, 0]]])]).export(tmp_path / "line.glb")
     from pymeshlab_fcd._batch import _target
 
-    found, corners, _ = _target(tmp_path / "two.glb")
+    found, corners, *_ = _target(tmp_path / "two.glb")
     assert len(found) == 2 * len(vertices) and len(corners) == 2 * len(faces)
     assert np.abs(np.sort(found[:, 2]) - np.sort(np.r_[vertices[:, 2], vertices[:, 2] + 5])).max() < 1e-6 and found[:, 0].min() == -10
     up = np.cross(found[corners[:, 1]] - found[corners[:, 0]], found[corners[:, 2]] - found[corners[:, 0]])[:, 2]
     assert (np.sign(up) == np.sign(up[0])).all()  # the mirrored one has its outside outside
-    found, corners, _ = _target(tmp_path / "parts.obj")
+    found, corners, *_ = _target(tmp_path / "parts.obj")
     assert len(corners) == len(faces) and np.abs(np.sort(found[corners].mean(1), 0) - np.sort(vertices[faces].mean(1), 0)).max() < 1e-6
     for name in ("points.glb", "points.xyz"):
-        found, corners, _ = _target(tmp_path / name)
+        found, corners, *_ = _target(tmp_path / name)
         assert np.abs(found - vertices).max() < 1e-6 and corners is None
     assert main(["info", str(tmp_path / "line.glb")]) == 1 and "has neither a mesh nor points" in capsys.readouterr().out
 
