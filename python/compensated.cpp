@@ -53,7 +53,8 @@ Compensating::Compensating(const nb::bytes &state) {
 nb::bytes Compensating::state() const {
     StateWriter writer(compensationState);
     writer(threads, *way);
-    return nb::bytes(writer.text.data(), writer.text.size());
+    const std::string all = std::move(writer).Sealed();
+    return nb::bytes(all.data(), all.size());
 }
 
 nb::dict Compensating::told() const {

@@ -6,6 +6,7 @@
 #include <vcg_ext/compensate.h>
 #include <vcg_ext/map/moving_surface.h>
 
+#include <cstdint>
 #include <cstring>
 #include <map>
 #include <string>
@@ -46,10 +47,12 @@ struct StateKind {
     const char *mark;    ///< its first bytes
     const char *refusal; ///< message for other bytes
 };
-inline constexpr StateKind poseState{"fcd pose 3\n",
-                                     "The pose was kept by another version of this package: pose the surface anew."};
+inline constexpr StateKind poseState{"fcd pose 4\n",
+                                     "The pose was kept by another version of this package, or is damaged: pose the "
+                                     "surface anew."};
 inline constexpr StateKind compensationState{
-    "fcd compensation 1\n", "The compensation was kept by another version of this package: compensate the part anew."};
+    "fcd compensation 2\n", "The compensation was kept by another version of this package, or is damaged: "
+                            "compensate the part anew."};
 
 /// Values that are written as their bytes: numbers, and matrices of fixed size.
 template <class T>
@@ -60,12 +63,24 @@ struct IsPlain<Eigen::Matrix<T, rows, columns>>
 template <class T>
 struct IsPlain<Eigen::Transform<T, 3, Eigen::Affine>> : std::true_type {};
 
-/// Writes values one after the other, in this machine's byte order.
+/// A checksum of bytes (FNV-1a).
+inline std::uint64_t stateSum(const char *bytes, std::size_t size) {
+    std::uint64_t sum = 0xCBF29CE484222325u;
+    for (std::size_t i = 0; i < size; ++i)
+        sum = (sum ^ static_cast<unsigned char>(bytes[i])) * 0x100000001B3u;
+    return sum;
+}
+
+/// Writes values one after the other, in this machine's byte order, and their checksum.
 class StateWriter {
   public:
     explicit StateWriter(const StateKind &kind) : text(kind.mark) {}
 
-    std::string text;
+    /// All bytes.
+    std::string Sealed() && {
+        put(stateSum(text.data(), text.size()));
+        return std::move(text);
+    }
 
     template <class... T>
     void operator()(const T &...value) {
@@ -100,15 +115,23 @@ class StateWriter {
         put(std::size_t(columns.cols()));
         raw(columns.data(), sizeof(double) * std::size_t(columns.size()));
     }
+
+    std::string text;
 };
 
-/// Reads what StateWriter has written. \throw BadInput other bytes
+/// Reads what StateWriter has written. \throw BadInput other bytes, or changed ones
 class StateReader {
   public:
     StateReader(const StateKind &kind, std::string given)
         : kind(kind), text(std::move(given)), at(std::strlen(kind.mark)) {
-        if (text.compare(0, at, kind.mark) != 0)
+        std::uint64_t sum = 0;
+        if (text.compare(0, at, kind.mark) != 0 || text.size() < at + sizeof sum)
             Fail();
+        const std::size_t size = text.size() - sizeof sum;
+        std::memcpy(&sum, text.data() + size, sizeof sum);
+        if (sum != stateSum(text.data(), size))
+            Fail();
+        text.resize(size);
     }
 
     template <class... T>
@@ -172,7 +195,7 @@ class StateReader {
     }
 
     const StateKind kind;
-    const std::string text;
+    std::string text;
     std::size_t at;
 };
 

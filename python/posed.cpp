@@ -44,7 +44,8 @@ Posed::Posed(std::shared_ptr<const Prepared> given, const nb::bytes &state) : pr
 nb::bytes Posed::state() const {
     StateWriter writer(poseState);
     writer(pose, reached, anyMoves, secondsSolve, secondsMap);
-    return nb::bytes(writer.text.data(), writer.text.size());
+    const std::string all = std::move(writer).Sealed();
+    return nb::bytes(all.data(), all.size());
 }
 
 vcg::fcd::Handles Posed::handlesOf(const PoseParam &param) const {

@@ -24,11 +24,13 @@ struct StraightenParam : DeformationParam {
 struct StraightenReport {
     double length = 0, newLength = 0; ///< of the line, before and after, world units
     double jitter = 0;       ///< jitter of the line's points that was removed: rms in each direction, world units
-    bool leftMiddle = false; ///< the line was not moved into the middle as asked, since that stretches the surface more
+    bool isMiddle = false;   ///< the line was to be moved into the middle
+    bool leftMiddle = false; ///< it was not, since that stretches the surface more
     /// By what share cross-sections get longer or shorter along the line than the line itself, rms: 0 for a line
     /// through their middles.
     double lengthening = 0;
-    bool isBeside = false;             ///< it is more than 0.03, and would be less along the line through their middles
+    /// It is more than 0.03, and would be less along the line through their middles, which was not asked for.
+    bool isBeside = false;
     double twist = 0;                  ///< of the surface about the line, from end to end, degrees; 0 if not measured
     Index following = 0, released = 0; ///< nodes that move with the line; nodes that would fold or tear, and do not
     std::vector<std::pair<double, double>> releasedAt; ///< where the latter are along the line: from, to, world units
@@ -49,7 +51,7 @@ Eigen::Matrix3Xd LineOf(const LineGoal &goal, const Deformer &deformer, const Ei
                         const Progress &progress = {}, StraightenReport *report = nullptr);
 
 /// The motion from a line to the target of \p goal. \param deformer, world as of LineOf \param report out: length,
-/// newLength, jitter, leftMiddle, twist
+/// newLength, jitter, isMiddle, leftMiddle, twist
 /// \throw BadInput as LineOf and MotionTo of a LineGoal; cross-sections too round to measure a twist \throw Cancelled
 LineMotion MotionTo(LineGoal goal, const Deformer &deformer, const Eigen::Affine3d &world, StraightenReport &report,
                     const Progress &progress = {});

@@ -151,10 +151,11 @@ Eigen::Matrix3Xd BetterMiddle(const RegionDeformer &deformer, const Eigen::Affin
     return after <= std::max(before, unclear * unclear) ? middle : Eigen::Matrix3Xd();
 }
 
-/// Whether a line lies to one side of the surface, so that the surface gets longer or shorter than the line.
+/// Whether a line lies to one side of the surface, so that the surface gets longer or shorter than the line. A line
+/// that was moved into the middle lies where it can: the middles along it may be others, but nobody can ask for these.
 bool IsBeside(const RegionDeformer &deformer, const Eigen::Affine3d &world, const FramedLine &line,
               const StraightenReport &report, const Progress &progress) {
-    if (!(report.lengthening > unclear) || report.leftMiddle)
+    if (!(report.lengthening > unclear) || report.isMiddle)
         return false;
     try {
         return BetterMiddle(deformer, world, line, 0, progress).cols() > 0;
@@ -208,6 +209,7 @@ Eigen::Matrix3Xd LineOf(const LineGoal &goal, const Deformer &prepared, const Ei
 LineMotion MotionTo(LineGoal goal, const Deformer &prepared, const Eigen::Affine3d &world, StraightenReport &report,
                     const Progress &progress) {
     const RegionDeformer &deformer = prepared.Whole();
+    report.isMiddle = goal.middle;
     goal.line = LineOf(goal, prepared, world, progress, &report);
     if (goal.target.cols() > 0)
         goal.target =

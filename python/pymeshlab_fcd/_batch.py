@@ -16,12 +16,12 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any, NamedTuple, TextIO
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _files, _measures, _splats, _tables, _workers
+from . import _files, _measures, _splats, _tables, _workers, samples
 from ._compensate import compensate
 from ._curves import read_curves
 from ._deform import _posed, deform
@@ -30,7 +30,7 @@ from ._fit import fit
 from ._inputs import Points
 from ._mean import mean_shape
 from ._motion import Motion
-from ._numbers import lengths, shown
+from ._numbers import lengths, shown, told
 from ._ply import Ply
 from ._pose import Pose
 from ._results import Row, Table, state
@@ -44,12 +44,33 @@ _POSED = ("nodes", "folded", "strained", "contact", "contact_depth", "largest_st
 _COMPENSATED = ("before", "left", "scanned", "change", "change_most", "missed")
 _SYMMETRIC = ("before", "after", "asymmetry", "asymmetry_most", "moved", "moved_most", "matched", "is_sure")
 
+_PARAMETERS = {  # options that the job's function takes as they are
+    "fit": ("start", "stiffness", "rigidity", "largest_distance", "largest_angle", "both_ways", "landmark_tolerance", "patches", "steps"),
+    "deform": ("smoothness", "max_iterations"),
+    "straighten": ("degrees", "middle", "smoothing", "untwist"),
+    "symmetrize": ("stiffness", "largest_distance", "landmark_tolerance", "steps"),
+    "compensate": ("degree", "largest_distance", "samples"),
+}
 
-def _target(path: Path, weights: str | None = None) -> tuple[Points, NDArray[np.int64] | None, NDArray[np.float64] | None]:
-    """Vertices, faces and weights of a scan."""
+
+def _parameters(given: argparse.Namespace) -> dict[str, Any]:
+    return {name: getattr(given, name) for name in _PARAMETERS[given.job]}
+
+
+class _Target(NamedTuple):
+    """A scan."""
+
+    vertices: Points
+    faces: NDArray[np.int64] | None
+    weights: NDArray[np.float64] | None = None
+    normals: Points | None = None
+    """Of a cloud."""
+
+
+def _target(path: Path, weights: str | None = None) -> _Target:
     if path.suffix.lower() == ".ply":
         ply = Ply(path)
-        return ply.vertices, ply.faces, ply.column(weights) if weights else None
+        return _Target(ply.vertices, ply.faces, ply.column(weights) if weights else None, ply.normals if ply.faces is None else None)
     if weights:
         raise ValueError(f"{path} is no PLY file, so it has no {weights}: save it as PLY, or leave --target-weights out")
     try:
@@ -70,8 +91,8 @@ def _target(path: Path, weights: str | None = None) -> tuple[Points, NDArray[np.
     if not sum(len(part.vertices) for part in parts):
         raise ValueError(f"{path} has neither a mesh nor points")
     begin = np.cumsum([0, *(len(part.vertices) for part in parts)])
-    return (np.concatenate([np.asarray(part.vertices, np.float64) for part in parts]),
-            np.concatenate([np.asarray(part.faces, np.int64) + first for part, first in zip(parts, begin)]) if meshes else None, None)
+    return _Target(np.concatenate([np.asarray(part.vertices, np.float64) for part in parts]),
+                   np.concatenate([np.asarray(part.faces, np.int64) + first for part, first in zip(parts, begin)]) if meshes else None)
 
 
 def _curves_of(given: str, scan: Path) -> Path:
@@ -100,7 +121,7 @@ def _read(path: Path, given: argparse.Namespace) -> Ply:
 def _write(ply: Ply, pose: Pose, out: Path, names: Sequence[str], given: argparse.Namespace) -> Row:
     """Writes the posed file, and its deformation if asked for. Returns its figures and measurements."""
     measured: Row = dict(_measures.take(_measures.read(given.measure), pose.vertices, ply.faces)) if given.measure else {}
-    normals = pose.normals if ply.normals is not None and (ply.faces is not None or pose.deformer._rest_normals is not None) else None
+    normals = pose.normals if ply.has_normals and (ply.faces is not None or pose.deformer._rest_normals is not None) else None
     ply.save(out, pose.vertices, normals)
     if given.deformations:
         _deformation_of(out).parent.mkdir(exist_ok=True)
@@ -111,35 +132,31 @@ def _write(ply: Ply, pose: Pose, out: Path, names: Sequence[str], given: argpars
 
 def _fit(given: argparse.Namespace, scan: Path, out: Path, threads: int) -> Row:
     template = _read(given.template, given)
-    target, faces, target_weights = _target(scan, given.target_weights)
+    target = _target(scan, given.target_weights)
     pairs = _marks(given.landmarks, scan, 6, "x, y, z on the template and x, y, z on the scan")
     landmarks = None if pairs is None else (pairs[:, :3], pairs[:, 3:])
     curves = read_curves(_curves_of(given.curves, scan)) if given.curves else None
-    fitted = fit(template.vertices, template.faces, target, faces, landmarks=landmarks, curves=curves, normals=template.normals,
-                 weights=template.column(given.weights) if given.weights else None, target_weights=target_weights, start=given.start,
-                 stiffness=given.stiffness, rigidity=given.rigidity, largest_distance=given.largest_distance, largest_angle=given.largest_angle,
-                 both_ways=given.both_ways, landmark_tolerance=given.landmark_tolerance, patches=given.patches, steps=given.steps, threads=threads)
+    fitted = fit(template.vertices, template.faces, target.vertices, target.faces, landmarks=landmarks, curves=curves, normals=template.normals,
+                 weights=template.column(given.weights) if given.weights else None, target_weights=target.weights, threads=threads,
+                 **_parameters(given))
     return _write(template, fitted, out, _FITTED, given)
 
 
 def _normals_of(ply: Ply, vertices: Points) -> Points | None:
     """Normals of a mesh with other positions, by the area of the faces; None if the file has none."""
-    if ply.normals is None or ply.faces is None:
+    if not ply.has_normals or ply.faces is None:
         return None
-    corner = vertices[ply.faces]
-    across, normals = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), np.zeros_like(vertices)
-    for k in range(3):
-        np.add.at(normals, ply.faces[:, k], across)
+    corner, at = vertices[ply.faces], ply.faces.ravel()
+    across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    normals = np.stack([np.bincount(at, np.repeat(along, 3), len(vertices)) for along in across.T], axis=1).astype(np.float64, copy=False)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     return normals
 
 
 def _compensate(given: argparse.Namespace, scan: Path, out: Path, threads: int) -> Row:
     nominal = Ply(given.nominal)
-    target, faces, _ = _target(scan)
-    normals = Ply(scan).normals if faces is None and scan.suffix.lower() == ".ply" else None
-    made = compensate(nominal.vertices, nominal.faces, target, faces, scan_normals=normals, degree=given.degree,
-                      largest_distance=given.largest_distance, samples=given.samples, threads=threads)
+    target = _target(scan)
+    made = compensate(nominal.vertices, nominal.faces, target.vertices, target.faces, scan_normals=target.normals, threads=threads, **_parameters(given))
     nominal.save(out, made.vertices, _normals_of(nominal, made.vertices))
     return {name: getattr(made.info, name) for name in _COMPENSATED}
 
@@ -173,7 +190,7 @@ def _deform(given: argparse.Namespace, path: Path, out: Path, threads: int) -> R
     if not (tags == np.round(tags)).all():
         raise ValueError(f"{given.tags} of the vertices of {path} must be tags, whole numbers")
     pose = _posed(ply.vertices, ply.faces, tags.astype(np.int64), _moves(given), None, given.percent, given.steps, None, None,
-                  {"normals": ply.normals, "smoothness": given.smoothness, "max_iterations": given.max_iterations, "threads": threads})
+                  {"normals": ply.normals, "threads": threads, **_parameters(given)})
     return _write(ply, pose, out, _POSED, given)
 
 
@@ -192,8 +209,7 @@ def _apply(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Ro
 def _straighten(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
     ply = _read(path, given)
     line = _tables.numbers(Path(given.lines) / f"{path.stem}.csv", 3, "x, y, z")
-    made = straighten(ply.vertices, ply.faces, line, degrees=given.degrees, middle=given.middle, smoothing=given.smoothing, untwist=given.untwist,
-                      normals=ply.normals, threads=threads)
+    made = straighten(ply.vertices, ply.faces, line, normals=ply.normals, threads=threads, **_parameters(given))
     measured = made.line
     return {"length": measured.length, "new_length": measured.new_length, "twist": measured.twist, "released": measured.released,
             **_write(ply, made, out, _POSED, given)}
@@ -207,8 +223,7 @@ def _symmetrize(given: argparse.Namespace, path: Path, out: Path, threads: int) 
     ply = _read(path, given)
     pairs = _marks(given.pairs, path, 6, "x, y, z on the left and x, y, z on the right")
     made = symmetrize(ply.vertices, ply.faces, pairs=None if pairs is None else pairs.reshape(-1, 2, 3), midline=_marks(given.midlines, path, 3, "x, y, z"),
-                      normals=ply.normals, stiffness=given.stiffness, largest_distance=given.largest_distance, landmark_tolerance=given.landmark_tolerance,
-                      steps=given.steps, threads=threads)
+                      normals=ply.normals, threads=threads, **_parameters(given))
     found = made.symmetry
     if given.other_side:
         other, normal = made.other_side(), np.asarray(found.plane[1])
@@ -226,7 +241,7 @@ def _info(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row
         bend = Deformation.load(path)
         samples = bend.samples
         return {"samples": len(samples), "off_by": bend.largest_difference, "low": samples.min(0).tolist(), "high": samples.max(0).tolist()}
-    vertices, faces, _ = _target(path)
+    vertices, faces, *_ = _target(path)
     row: Row = {"vertices": len(vertices), "faces": 0 if faces is None else len(faces)}
     whole = vertices[np.isfinite(vertices).all(axis=1)]
     return {**row, "low": whole.min(0).tolist(), "high": whole.max(0).tolist()} if len(whole) else row
@@ -254,7 +269,7 @@ def _job(given: argparse.Namespace, path: Path, out: Path, threads: int) -> Row:
             row.update(_JOBS[given.job](given, path, out, threads))
             row["error"] = ""
         except Exception as error:  # of any kind: the other files are done anyway
-            row["error"] = f"{error}" or type(error).__name__
+            row["error"] = told(error)
     row["seconds"] = round(time.perf_counter() - begin, 3)
     row["result"] = "" if row["error"] else state(*_results_of(given, out))
     row["warnings"] = " | ".join(dict.fromkeys(str(each.message) for each in caught if issubclass(each.category, UserWarning)))
@@ -287,7 +302,7 @@ def _on_cluster(client: Any, given: argparse.Namespace, jobs: Sequence[tuple[Pat
             try:
                 row = task.result()
             except Exception as error:  # of the cluster: a job puts its own error in its row
-                row = {"error": f"the cluster could not do it: {error or type(error).__name__}"}
+                row = {"error": f"the cluster could not do it: {told(error)}"}
             yield tasks[task], row
     finally:
         client.cancel(list(tasks))
@@ -411,6 +426,43 @@ def _say(text: str, file: TextIO | None = None) -> None:
     print(text.encode(kind, "backslashreplace").decode(kind), file=stream, flush=True)
 
 
+def _tried(given: argparse.Namespace) -> None:
+    """Raises ValueError for options that no file can be done with: they are tried on a small surface."""
+    if given.job not in _PARAMETERS:
+        return
+    vertices, faces, tags = samples.strip(9, 5)
+    some = [0, 4, 22, 40]
+    asked: dict[str, Any] = _parameters(given)
+    if asked.get("largest_distance", 0) > 0:
+        asked["largest_distance"] = 0.0  # any limit is right, but may leave nothing of this surface
+    with warnings.catch_warnings(), contextlib.suppress(RuntimeError):  # it has no solution; a file's may
+        warnings.simplefilter("ignore")
+        if given.job == "fit":
+            fit(vertices, faces, vertices, faces, landmarks=(some, vertices[some]) if given.landmarks else None, samples=100, **asked)
+        elif given.job == "deform":
+            deform(vertices, faces, tags, {}, percent=given.percent, steps=given.steps, **asked)
+        elif given.job == "straighten":
+            straighten(vertices, faces, vertices[2::5], **{**asked, "middle": False, "untwist": False})  # such a strip has none
+        elif given.job == "symmetrize":
+            symmetrize(vertices, faces, plane=[[5, 1, 0], [0, 1, 0]], samples=100, **asked)
+        else:
+            compensate(vertices, faces, vertices, faces, **{**asked, "samples": min(given.samples, 100)})
+
+
+def _shared(given: argparse.Namespace) -> None:
+    """Raises OSError or ValueError if what all files need cannot be read."""
+    if hasattr(given, "template"):
+        template = _read(given.template, given)
+        if given.weights:
+            template.column(given.weights)
+        if given.curves and not Path(given.curves).exists():
+            raise ValueError(f"--curves {shown(given.curves)} is neither a file nor a folder")
+    elif hasattr(given, "nominal"):
+        Ply(given.nominal)
+    elif hasattr(given, "deformation"):
+        Deformation.load(given.deformation)
+
+
 def _looked_at(parser: argparse.ArgumentParser, given: argparse.Namespace, paths: Sequence[Path], outs: Mapping[Path, Path]) -> None:
     """Ends a wrong command before anything is done."""
     if given.processes < 1:
@@ -429,8 +481,10 @@ def _looked_at(parser: argparse.ArgumentParser, given: argparse.Namespace, paths
             folder = getattr(given, name, None)
             if folder is not None and not Path(folder).is_dir():
                 raise ValueError(f"--{name} {shown(folder)} is no folder")
+        _shared(given)
+        _tried(given)
     except (OSError, ValueError) as error:
-        parser.error(f"{error}")
+        parser.error(told(error))
     if given.job == "info":
         return
     names: dict[str, Path] = {"mean.ply": Path("--mean")} if getattr(given, "mean", None) else {}
@@ -452,7 +506,7 @@ def _table(parser: argparse.ArgumentParser, given: argparse.Namespace, outs: Map
         table = Table(folder / f"{given.job}.csv", list(outs))
         others = {job: Table(folder / f"{job}.csv") for job in _JOBS if job not in ("info", given.job)}
     except (OSError, ValueError) as error:
-        parser.error(f"{error}")
+        parser.error(told(error))
     mean = folder / "mean.ply"  # its source in the table is itself
     written = [*outs.items(), *([(mean, mean)] if getattr(given, "mean", None) else [])] if given.job != "info" else []
     for path, out in written:
@@ -483,6 +537,8 @@ def _folder(parser: argparse.ArgumentParser, given: argparse.Namespace) -> conte
 def main(arguments: Sequence[str] | None = None) -> int:
     parser, jobs = _parsers()
     given = parser.parse_args(arguments)
+    if "" in [given.out, *given.files]:  # as of a variable of the shell that is not set
+        parser.error("a name is empty: give files, and a folder for --out")
     paths = list(dict.fromkeys(Path(each) for each in given.files))
     ending = "" if given.job == "info" else ".ply"
     outs = {path: Path(given.out or ".") / f"{path.stem}{ending}" for path in paths}
@@ -501,7 +557,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 141  # as by SIGPIPE
     except OSError as error:  # of the table or the mean: a job puts its own in its row
         with contextlib.suppress(OSError):
-            _say(f"ended: {error}; the same command goes on from here", sys.stderr)
+            _say(f"ended: {told(error)}; the same command goes on from here", sys.stderr)
         return 1
     except KeyboardInterrupt as ended:
         is_asked = isinstance(ended, _workers.Terminated)

@@ -186,7 +186,7 @@ class Deformation:
         steps = np.broadcast_to(steps, 3)
         samples = self.samples
         begin, end = (
-            default if given is None else _inputs.finite(name, _inputs.rows(name, np.atleast_2d(plain(name, given)), 1, "one"))[0]
+            default if given is None else _inputs.vector(name, given)
             for name, given, default in (("low", low, samples.min(0) - steps), ("high", high, samples.max(0) + steps)))
         if not (begin <= end).all():
             raise ValueError("low must not be above high")

@@ -31,7 +31,7 @@ def rows(name: str, values: object, count: int | None = None, what: str = "one r
     if array.dtype.kind == "b":
         raise TypeError(f"{name} must be coordinates, not a mask")
     if array.ndim != 2 or array.shape[1] != 3:
-        raise ValueError(f"{name} must be n x 3, {what}; it is {told_shape(array)}")
+        raise ValueError(f"{name} must be {'n' if count is None else count} x 3, {what}; it is {told_shape(array)}")
     if count is not None and len(array) != count:
         raise ValueError(f"{name} must have {count} rows, {what}; it has {len(array)}")
     return np.ascontiguousarray(array, dtype=np.float64) if lent else own(array, np.float64)
@@ -44,6 +44,14 @@ def normals(values: object, count: int, name: str = "normals", lent: bool = Fals
     if not (((largest >= 1e-15) & (largest <= 1e15)) | (largest == 0)).all():
         raise ValueError(f"{name} must be finite, of lengths from 1e-15 to 1e15, or 0 where there is none; scale them to length 1")
     return array
+
+
+def vector(name: str, value: object) -> Points:
+    """A direction or a corner, 3 finite doubles."""
+    array = plain(name, value, "3 numbers")
+    if array.dtype.kind == "b" or array.shape not in ((3,), (1, 3)):
+        raise ValueError(f"{name} must be 3 numbers; it is {told_shape(array)} of {array.dtype}")
+    return finite(name, own(array.reshape(3), np.float64))
 
 
 def written(name: str, array: object, count: int) -> Points:

@@ -22,7 +22,8 @@ def plain(name: str, values: object, what: str = "an array of numbers") -> NDArr
     except Exception as error:  # of another library
         raise TypeError(f"{name} cannot be read as {what}: {error}") from error
     if array.dtype.kind not in "fiub":
-        raise TypeError(f"{name} must be {what}; {_kind(values, array)} is none")
+        remedy = ". If all of it is numbers, use .astype(np.float64) or .astype(np.int64)" if array.dtype.kind == "O" and array.ndim else ""
+        raise TypeError(f"{name} must be {what}; {_kind(values, array)} is none{remedy}")
     return array
 
 
@@ -48,6 +49,13 @@ def text(name: str, value: object, example: str = "") -> str:
 def shown(path: str | bytes | os.PathLike[Any]) -> str:
     """The name of a file for tables and messages, the same in any locale; bytes that are no UTF-8 are escaped as \\xe9."""
     return os.fsencode(path).decode("utf-8", "backslashreplace").replace("\0", "\\0")
+
+
+def told(error: BaseException) -> str:
+    """What an error says, in a line for people: of a file, without the number of the error."""
+    if not isinstance(error, OSError) or error.filename is None:
+        return f"{error}" or type(error).__name__
+    return f"{shown(error.filename)} is a folder: give a file" if os.path.isdir(error.filename) else f"{shown(error.filename)}: {error.strerror}"
 
 
 def _kind(values: object, array: NDArray[Any]) -> str:

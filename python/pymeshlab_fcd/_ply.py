@@ -2,6 +2,7 @@
 """PLY files whose vertices move. All else in them (labels, colours, textures, other elements) stays, to the byte."""
 from __future__ import annotations
 
+import contextlib
 import copy
 import os
 import re
@@ -20,6 +21,7 @@ _TYPES = {"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4
           "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4", "float32": "f4", "float64": "f8"}
 _NORMALS = ("nx", "ny", "nz")
 _FACES = ("face", "tristrips")
+_CORNERS = ("vertex_indices", "vertex_index")
 
 
 @dataclass
@@ -52,7 +54,7 @@ class Ply:
                     self._elements[-1].properties.append((words[-1], _TYPES[words[-2]], _TYPES[words[2]] if is_list else ""))
             self._order = order
             self._read(content, begin)
-        except (KeyError, IndexError, ValueError) as error:
+        except (KeyError, IndexError, ValueError, OverflowError) as error:
             raise ValueError(f"{self._name} cannot be read as PLY: {error}") from error
 
     def _read(self, content: bytes, at: int) -> None:
@@ -76,8 +78,7 @@ class Ply:
                 if element.name in _FACES:
                     if line + element.count > len(lines):
                         raise ValueError("it has fewer faces than it says")
-                    corners = [self._corners(element, [float(each) for each in row.split()]) for row in lines[line:line + element.count]]
-                    self._add_faces(element, corners)
+                    self._add_faces(element, self._text_faces(element, lines[line:line + element.count]))
                 line += element.count
             return
         kind = np.dtype([(name, self._order + each) for name, each, _ in first.properties])
@@ -98,12 +99,20 @@ class Ply:
             made = _triangles(corners) if element.name == "face" else _of_strips(corners)
             self._faces = made if self._faces is None else np.concatenate([self._faces, made])
 
+    def _text_faces(self, element: _Element, lines: list[bytes]) -> list[list[int]] | NDArray[np.int64]:
+        if lines and len(element.properties) == 1:  # as nearly all files: lists alone, of one length
+            with contextlib.suppress(ValueError, OverflowError):
+                table = np.loadtxt(lines, np.float64, comments=None, ndmin=2)
+                if table.shape == (len(lines), int(table[0, 0]) + 1) and (table[:, 0] == table[0, 0]).all():
+                    return table[:, 1:].astype(np.int64) if element.properties[0][0] in _CORNERS else np.zeros((0, 3), np.int64)
+        return [self._corners(element, [float(each) for each in row.split()]) for row in lines]
+
     def _corners(self, element: _Element, numbers: list[float]) -> list[int]:
         found, at = [0], 0
         for name, _, kind in element.properties:
             count = int(numbers[at]) if kind else 1
             at += bool(kind)
-            if name in ("vertex_indices", "vertex_index"):
+            if name in _CORNERS:
                 found = [int(each) for each in numbers[at:at + count]]
             at += count
         if at > len(numbers):
@@ -128,7 +137,7 @@ class Ply:
         if end <= len(self._rest):
             all_of_it = np.frombuffer(self._rest, table, element.count, at)
             if all((all_of_it[f"count {name}"] == table[name].shape[0]).all() for name in lists if element.count):
-                corners = next((name for name in ("vertex_indices", "vertex_index") if name in lists), None)
+                corners = next((name for name in _CORNERS if name in lists), None)
                 return (np.zeros((0, 3), np.int64) if corners is None or not element.count else all_of_it[corners].astype(np.int64)), end
         faces: list[list[int]] = []
         for _ in range(element.count):
@@ -139,14 +148,14 @@ class Ply:
                     at += np.dtype(kind).itemsize
                 values = np.frombuffer(self._rest, self._order + each, count, at)
                 at += values.nbytes
-                if name in ("vertex_indices", "vertex_index"):
+                if name in _CORNERS:
                     faces.append([int(value) for value in values])
         return faces, at
 
     def _columns(self, names: tuple[str, ...]) -> Points:
         if self._order == "ascii":
             places = [self._names.index(name) for name in names]
-            return np.array([[float(row[k]) for k in places] for row in self._rows], np.float64).reshape(-1, len(names))
+            return np.fromiter((float(row[k]) for row in self._rows for k in places), np.float64).reshape(-1, len(names))
         return np.stack([self._table[name].astype(np.float64) for name in names], axis=1)
 
     @property
@@ -155,8 +164,12 @@ class Ply:
         return self._faces if self._faces is not None and len(self._faces) else None
 
     @property
+    def has_normals(self) -> bool:
+        return set(_NORMALS) <= set(self._names)
+
+    @property
     def normals(self) -> Points | None:
-        return self._columns(_NORMALS) if set(_NORMALS) <= set(self._names) else None
+        return self._columns(_NORMALS) if self.has_normals else None
 
     def column(self, name: str) -> NDArray[np.float64]:
         """A number of each vertex."""
@@ -199,7 +212,7 @@ class Ply:
     def save(self, path: str | os.PathLike[str], vertices: Points, normals: Points | None, others: Mapping[str, Points] = MappingProxyType({})) -> None:
         """Writes the file with other positions, with other normals if it has some and some are given, and with other properties."""
         new = list(zip("xyz", vertices.T))
-        if normals is not None and self.normals is not None:
+        if normals is not None and self.has_normals:
             new += list(zip(_NORMALS, normals.T))
         new += list(others.items())
         kinds = {name: kind if kind in ("f4", "f8") else "f8" if kind in ("i4", "u4") else "f4" for name, kind, _ in self._elements[0].properties}

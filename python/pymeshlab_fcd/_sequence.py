@@ -141,7 +141,11 @@ class PoseSequence:
             What is wrong in it, with the line.
         """
         with open(os.fspath(path), encoding="utf-8-sig", newline="") as file:  # no number of an open file
-            return cls.parse(file.read(), shown(path))
+            try:
+                content = file.read()
+            except UnicodeDecodeError as error:
+                raise ValueError(f"{shown(path)} is no text in UTF-8 ({error.reason}): save it as such") from error
+        return cls.parse(content, shown(path))
 
     def text(self, deformer: Deformer | None = None) -> str:
         """The table.

@@ -12,7 +12,6 @@ from . import _core, _inputs, _meshes
 from ._deformer import Deformer, Plan
 from ._inputs import Points
 from ._meshes import MeshLike
-from ._numbers import plain
 from ._pose import Pose
 from ._progress import Progress, report, shared
 from ._warnings import FoldWarning, LineWarning, Told, triangles_turned, warn
@@ -33,7 +32,7 @@ class LineInfo:
     lengthening: float
     """By what share the surface gets longer or shorter along the line than the line itself, root mean square; 0 for a line through the middle."""
     is_beside: bool
-    """Whether that is more than 0.03, and `middle` would make it less."""
+    """Whether that is more than 0.03, and `middle`, which was not asked for, would make it less."""
     twist: float
     """Twist of the surface about the line that `untwist` removed, from end to end, in degrees; else 0."""
     following: int
@@ -71,7 +70,7 @@ class Straightened(Pose):
 
 
 def _direction(name: str, value: ArrayLike | None) -> Points:
-    return np.zeros((1, 3)) if value is None else _inputs.finite(name, _inputs.rows(name, np.atleast_2d(plain(name, value)), 1, "one"))
+    return np.zeros((1, 3)) if value is None else _inputs.vector(name, value)[None]
 
 
 def straighten(
@@ -197,6 +196,7 @@ def straighten(
     made._line = LineInfo(**measured)
     made._write(None, None, report(told, 80, 95))
     found: list[Told] = []
+    remedy = "raise smoothing" if middle else "lay the line through the middle (middle=True), or raise smoothing"
     if made.line.left_middle:
         found.append((LineWarning, "The line stays as given: through the middles of the cross-sections it would stretch the surface more."))
     if made.line.released > 0:
@@ -205,14 +205,13 @@ def straighten(
         more = ", and elsewhere" if len(made.line.released_at) > 5 else ""
         found.append((LineWarning, f"Beside the line at {places}{more} of its length, the surface follows its surroundings as rigidly as "
                                    "possible: cross-sections that move with the line would fold it, or make it twice or half as long. If that "
-                                   "is not meant, lay the line through the middle (middle=True), or raise smoothing."))
+                                   f"is not meant, {remedy}."))
     if made.line.is_beside:
         found.append((LineWarning, f"The line lies to one side of the surface, which gets longer or shorter along it by {100 * made.line.lengthening:.3g} % "
                                    "(root mean square). If the line was picked on the surface, use middle=True."))
     folded = made._check(report(told, 95, 100))["folded"]
     if folded > 0:
-        found.append((FoldWarning, f"{triangles_turned(folded)}: the surface is folded there. Lay the line through the middle, or raise "
-                                   "smoothing."))
+        found.append((FoldWarning, f"{triangles_turned(folded)}: the surface is folded there. {remedy[0].upper()}{remedy[1:]}."))
     warn(found, 2)
     made._warn_of_contact(3)
     return made

@@ -142,8 +142,8 @@ def _ends(values: ArrayLike | None) -> NDArray[Any] | None:
     if array.size == 0:
         return None
     shape: tuple[int, ...] = array.shape
-    if len(shape) not in (2, 3) or shape[1] != 2:
-        raise ValueError(f"pairs must be k x 2 numbers of vertices, or k x 2 x 3 places, left and right; it is {told_shape(array)}")
+    if len(shape) not in (2, 3) or shape[1] != 2 or len(shape) == 2 and array.dtype.kind not in "iu" or shape[2:] not in ((), (3,)):
+        raise ValueError(f"pairs must be k x 2 whole numbers of vertices, or k x 2 x 3 places, left and right; it is {told_shape(array)} of {array.dtype}")
     return array.reshape(2 * len(array), *array.shape[2:])
 
 

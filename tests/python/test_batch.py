@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from shapes import bar
 
-from pymeshlab_fcd import Deformer, Motion, _batch as batch, _splats, compensate, deform, fit, read_curves
+from pymeshlab_fcd import Deformer, Motion, _batch as batch, _splats, compensate, deform, deformation, fit, read_curves
 from pymeshlab_fcd._batch import main
 from pymeshlab_fcd._ply import Ply
 
@@ -470,11 +470,12 @@ def test_wrong_commands_are_refused_before_anything_is_done(tmp_path, capsys):
     (tmp_path / "other").mkdir()
     for folder in (tmp_path, tmp_path / "other"):
         write_ply(folder / "a.ply", vertices, faces, tags)
-    here, other = str(tmp_path / "a.ply"), str(tmp_path / "other" / "a.ply")
+    here, other, bend = str(tmp_path / "a.ply"), str(tmp_path / "other" / "a.ply"), str(tmp_path / "bend.fcd")
+    deformation(vertices, faces, tags, {2: Motion.translate([0, 0, 1])}).save(bend)
     for command, message in ((["deform", here, "--out", str(tmp_path)], "would be written over what is read"),
                              (["deform", here, other, "--out", str(tmp_path / "o")], "would have one result"),
                              (["deform", here, "--out", str(tmp_path / "o"), "--processes", "0"], "must be 1 or more"),
-                             (["apply", here, other, "--out", str(tmp_path)], "would be written over what is read"),
+                             (["apply", bend, other, "--out", str(tmp_path / "other")], "would be written over what is read"),
                              (["deform", here], "--out"), (["bend", here], "invalid choice"), ([], "JOB")):
         with pytest.raises(SystemExit) as ended:
             main(command)

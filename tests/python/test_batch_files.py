@@ -18,7 +18,7 @@ from test_batch import scans, table, write_ply
 
 import pymeshlab_fcd as fcd
 from pymeshlab_fcd import Deformer, Motion, _files, _fit, _pose, _straighten, _symmetrize, _tables, read_curves
-from pymeshlab_fcd._batch import _parsers, main
+from pymeshlab_fcd._batch import _parsers, _tried, main
 from pymeshlab_fcd._ply import Ply
 
 
@@ -211,7 +211,7 @@ def test_a_table_that_cannot_be_written_is_told(tmp_path, capsys, monkeypatch):
 
     monkeypatch.setattr(_results._files, "write", full)
     assert main(["deform", str(tmp_path / "a.ply"), "--out", str(tmp_path / "o")]) == 1
-    assert "ended: [Errno 28] No space left on device: 'deform.csv'; the same command goes on from here" in capsys.readouterr().err
+    assert "ended: deform.csv: No space left on device; the same command goes on from here" in capsys.readouterr().err
 
 
 def test_many_files_are_told_apart_at_once(tmp_path, monkeypatch):
@@ -273,15 +273,15 @@ def test_scans_are_whole_scenes(tmp_path, capsys):
     trimesh.Scene([trimesh.load_path([[[0, 0, 0], [1, 0, 0]]])]).export(tmp_path / "line.glb")
     from pymeshlab_fcd._batch import _target
 
-    found, corners, _ = _target(tmp_path / "two.glb")
+    found, corners, *_ = _target(tmp_path / "two.glb")
     assert len(found) == 2 * len(vertices) and len(corners) == 2 * len(faces)
     assert np.abs(np.sort(found[:, 2]) - np.sort(np.r_[vertices[:, 2], vertices[:, 2] + 5])).max() < 1e-6 and found[:, 0].min() == -10
     up = np.cross(found[corners[:, 1]] - found[corners[:, 0]], found[corners[:, 2]] - found[corners[:, 0]])[:, 2]
     assert (np.sign(up) == np.sign(up[0])).all()  # the mirrored one has its outside outside
-    found, corners, _ = _target(tmp_path / "parts.obj")
+    found, corners, *_ = _target(tmp_path / "parts.obj")
     assert len(corners) == len(faces) and np.abs(np.sort(found[corners].mean(1), 0) - np.sort(vertices[faces].mean(1), 0)).max() < 1e-6
     for name in ("points.glb", "points.xyz"):
-        found, corners, _ = _target(tmp_path / name)
+        found, corners, *_ = _target(tmp_path / name)
         assert np.abs(found - vertices).max() < 1e-6 and corners is None
     assert main(["info", str(tmp_path / "line.glb")]) == 1 and "has neither a mesh nor points" in capsys.readouterr().out
 
@@ -358,3 +358,37 @@ def test_motions_and_folders_that_cannot_be_are_refused_at_once(tmp_path, capsys
     assert main(["deform", str(tmp_path / "a.ply"), "--move", "2", "translate 0 0 1 rotate 1 0 0 300", "--out", str(tmp_path / "o")]) == 0
     row = table(tmp_path / "o" / "deform.csv")[str(tmp_path / "a.ply")]
     assert "rigid" not in row["warnings"]
+
+
+def test_options_that_no_file_can_be_done_with_are_refused_at_once(tmp_path, capsys):
+    vertices, faces, tags, _ = bar(9, 3)
+    write_ply(tmp_path / "a.ply", vertices, faces, tags)
+    here = tmp_path / "a.ply"
+    for command, message in ((["deform", here, "--steps", "0"], "steps must be from 1 to 1000; it is 0"),
+                             (["deform", here, "--percent", "nan"], "must be a finite number of percent"),
+                             (["deform", here, "--max-iterations", "0"], "max_iterations must be from 1"),
+                             (["fit", here, here, "--steps", "0"], "A fit takes 2 to 10000 steps"),
+                             (["fit", here, here, "--start", "landmarks_rigid"], "needs three of them"),
+                             (["fit", here, here, "--weights", "label"], "have no label"),
+                             (["fit", here, here, "--curves", tmp_path / "no"], "no is neither a file nor a folder"),
+                             (["straighten", here, "--lines", tmp_path, "--degrees", "400"], "An arc bends by less than 360"),
+                             (["symmetrize", here, "--stiffness", "0"], "The stiffness must be a positive"),
+                             (["compensate", here, here, "--degree", "9"], "degree must be from 1 to 7; it is 9"),
+                             (["compensate", tmp_path, here], f"{tmp_path} is a folder: give a file"),
+                             (["apply", tmp_path / "no", here], "no: No such file or directory"),
+                             (["fit", here, ""], "a name is empty"), (["deform", here, "--out", ""], "a name is empty")):
+        assert message in refused(capsys, [*command, *([] if "--out" in command else ["--out", tmp_path / "o"])])
+    assert not (tmp_path / "o").exists()
+    assert main(["info", str(tmp_path), str(here)]) == 1
+    assert f"1/2 {tmp_path}: failed: {tmp_path} is a folder: give a file\n2/2" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("command", [["fit", "--start", "landmarks_similar", "--landmarks", "."], ["fit", "--start", "axes", "--largest-distance", "1e-9"],
+                                     ["fit", "--stiffness", "1e300"],
+                                     ["straighten", "--lines", ".", "--middle", "--untwist"], ["straighten", "--lines", ".", "--degrees", "-359", "--smoothing", "0.25"],
+                                     ["symmetrize", "--landmark-tolerance", "9", "--largest-distance", "1e-9"], ["compensate", "--degree", "7", "--largest-distance", "1e-9"],
+                                     ["deform", "--percent", "-100", "--smoothness", "0"]])
+def test_options_that_a_file_can_be_done_with_are_not_refused(command):
+    """What they are tried on is no better or worse for any of them."""
+    job, *options = command
+    _tried(_parsers()[0].parse_args([job, *(["a.ply"] if job in ("fit", "compensate") else []), "b.ply", "--out", "o", *options]))

@@ -88,7 +88,8 @@ def test_a_grid_covers_a_box_and_says_what_is_wrong(ways, tmp_path):
     for given, message in (({"spacing": 0}, "above 0"), ({"spacing": [1, 2]}, "three"), ({"spacing": 1e-5}, "500 million"),
                            ({"spacing": 1, "low": [1, 1, 1], "high": [0, 2, 2]}, "low must not be above"),
                            ({"spacing": np.nan}, "finite"), ({"spacing": 1, "axes": "LAS"}, "axes must be one of"),
-                           ({"spacing": 1, "kind": "both"}, "kind must be one of")):
+                           ({"spacing": 1, "kind": "both"}, "kind must be one of"),
+                           ({"spacing": 1, "low": [0, 0]}, "low must be 3 numbers; it is 2 of int64"), ({"spacing": 1, "high": [1, np.inf, 1]}, "high must be finite")):
         with pytest.raises(ValueError, match=message):
             ways[0].grid(**given)
     with pytest.raises(ValueError, match="and not as .mha"):

@@ -125,6 +125,12 @@ def test_lines_and_sequences():
         expect_same(blended, other)
 
 
+def damaged(state):
+    """With a bit of one byte changed, in the places where sizes stand, and in others."""
+    for at in (*range(20, 60), len(state) // 2, len(state) - 1):
+        yield state[:at] + bytes([state[at] ^ 0x80]) + state[at + 1:]
+
+
 def test_compensations():
     made = compensate(VERTICES, FACES, VERTICES @ np.diag([1.01, 1, 1]) + [0, 0, 0.1], FACES, degree=2, threads=1)
     for other in [*sent(made), copy.copy(made), copy.deepcopy(made), sent(sent(made)[0])[1]]:
@@ -134,8 +140,8 @@ def test_compensations():
         with pytest.raises(ValueError, match="read-only"):
             other.vertices[0] = 0
     state = made.__getstate__()
-    for way in (b"", b"fcd pose 3\n", state["way"][:-1], state["way"] + b"x"):
-        with pytest.raises(ValueError, match="kept by another version of this package: compensate the part anew"):
+    for way in (b"", b"fcd pose 3\n", b"fcd compensation 2\n", state["way"][:-1], state["way"] + b"x", *damaged(state["way"])):
+        with pytest.raises(ValueError, match="kept by another version of this package, or is damaged: compensate the part anew"):
             copy.copy(made).__setstate__({**state, "way": way})
 
 
@@ -150,10 +156,10 @@ def test_what_is_no_pose_of_this_version_says_so():
     pose = Deformer(VERTICES, FACES, TAGS).pose({2: LIFT})
     state = pose.__getstate__()
     whole = pose._core.state()
-    for solved in (b"", b"fcd pose 0\n", whole[:-1], whole + b"x", b"fcd pose 1\n" + b"\xff" * 100):
+    for solved in (b"", b"fcd pose 0\n", whole[:-1], whole + b"x", b"fcd pose 1\n" + b"\xff" * 100, *damaged(whole)):
         other = copy.copy(pose)
         other.__setstate__({**state, "solved": fcd._pose._Solved(pose.deformer, solved)})
-        with pytest.raises(ValueError, match="another version of this package: pose the surface anew"):
+        with pytest.raises(ValueError, match="another version of this package, or is damaged: pose the surface anew"):
             other.stretch()
     coarse = Deformer(VERTICES, FACES, TAGS, patches=50)
     other.__setstate__({**state, "solved": fcd._pose._Solved(coarse, pose._core.state())})

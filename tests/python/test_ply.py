@@ -61,3 +61,18 @@ def test_harmonics_of_other_bands_are_told(tmp_path, capsys):
     Deformer(vertices, faces, tags).pose({2: Motion.rotate([0, 1, 0], 30)}).deformation().save(tmp_path / "b.fcd")
     assert main(["apply", str(tmp_path / "b.fcd"), str(tmp_path / "s.ply"), "--out", str(tmp_path / "o")]) == 0
     assert "warning: The 72 harmonics of the colours stay unturned" in capsys.readouterr().out
+
+
+def text_faces(path, lines):
+    path.write_text("ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n" f"element face {len(lines)}\n"
+                    "property list uchar int vertex_indices\nend_header\n" + "0 0 0\n" * 5 + "".join(f"{each}\n" for each in lines))
+    return Ply(path)
+
+
+def test_faces_as_text_are_read_alike_whatever_their_lengths(tmp_path):
+    triangles = ["3 0 1 2", "3 1 2 3", "3 2 3 4"]
+    for lines, more in ((triangles, []), ([*triangles, "4 0 1 2 3"], [[0, 1, 2], [0, 2, 3]]), ([*triangles, "3 4 0 1 9"], [[4, 0, 1]])):
+        assert text_faces(tmp_path / "a.ply", lines).faces.tolist() == [[0, 1, 2], [1, 2, 3], [2, 3, 4], *more]
+    for lines in (["inf 0 1 2"], ["1e400 0 1 2"], ["nan 0 1 2"], ["3 0 1"], ["3 0 1 two"]):
+        with pytest.raises(ValueError, match="a.ply cannot be read as PLY"):
+            text_faces(tmp_path / "a.ply", lines)

@@ -535,3 +535,9 @@ def test_poses_of_surfaces_of_any_size_are_blended_alike(size, tmp_path):
         return read.blend(deformer, {"by -30": 50, "by -60": 50}).vertices / by
 
     np.testing.assert_allclose(blended(size), blended(1), rtol=0, atol=1e-9)
+
+
+def test_a_table_in_another_encoding_is_told(tmp_path):
+    (tmp_path / "p.csv").write_bytes("time, easing, geöffnet\nmotions, , 2: translate 0 0 1\n".encode("latin-1"))
+    with pytest.raises(ValueError, match=r"p.csv is no text in UTF-8 \(invalid .* byte\): save it as such"):
+        PoseSequence.load(tmp_path / "p.csv")

@@ -166,7 +166,7 @@ def test_folds_are_warned_of():
     (AXIS, {"target": [[0, 0, 0]]}, "Of the line that it goes to: The line has one point only"),
     (AXIS[:, :2], {}, "line must be n x 3"),
     (AXIS * np.nan, {}, "line must be finite"),
-    (AXIS, {"direction": [1, 2]}, "direction must be n x 3"),
+    (AXIS, {"direction": [1, 2]}, r"direction must be 3 numbers; it is 2 of int64"),
     (None, {}, "there is no line: it comes after the faces"),
     (AXIS, {"middle": 1}, "middle must be True or False; it is 1"),
     (AXIS, {"untwist": "no"}, "untwist must be True or False; it is 'no'"),
@@ -197,3 +197,13 @@ def test_places_along_the_line_are_told_once():
     row = np.arange(50.0)[:, None] + np.zeros(3)
     with pytest.warns(pymeshlab_fcd.LineWarning, match=r"Beside the line at [\d.]+, [\d.]+, [\d.]+, [\d.]+ of its length"):
         straighten(row, None, [[0, 0, 0], [1, 0.3, 0], [2, 0, 0]])
+
+
+@pytest.mark.parametrize("middle, remedy", [(False, "ay the line through the middle (middle=True), or raise smoothing."), (True, "aise smoothing.")])
+def test_warnings_do_not_ask_for_what_was_asked_for(middle, remedy):
+    """A corner so sharp that the thick surface folds at its inner side."""
+    vertices, faces = tube(61, 24, 2.0)
+    with pytest.warns(DeformationWarning) as told:
+        straighten(vertices, faces, AXIS, CORNER, middle=middle, patches=100)
+    texts = [str(each.message) for each in told if "Beside the line" in str(each.message) or "is folded there" in str(each.message)]
+    assert len(texts) == 2 and all(text.endswith(remedy) and ("middle=True" in text) != middle for text in texts)

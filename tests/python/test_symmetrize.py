@@ -192,7 +192,8 @@ def test_a_cloud(restored):
 def test_what_makes_no_sense_is_told():
     truth = skull(AT, 1)
     for wrong, text in (
-        (dict(pairs=[[1, 2], [2, 3]]), "named twice"), (dict(pairs=[1, 2, 3]), "pairs must be k x 2"),
+        (dict(pairs=[[1, 2], [2, 3]]), "named twice"), (dict(pairs=[1, 2, 3]), "pairs must be k x 2"), (dict(pairs=[[0.0, 2.0]]), "k x 2 whole numbers of vertices, or k x 2 x 3 places, left and right; it is 1 x 2 of float64"),
+        (dict(pairs=np.zeros((1, 2, 3, 1))), "it is 1 x 2 x 3 x 1"), (dict(plane=[0, 0, 1]), "plane must be 2 x 3, a point and a normal; it is 3"),
         (dict(plane=[[0, 0, 0], [0, 0, 0]]), "no direction"), (dict(plane=[[0, 0, 0]]), "plane must have 2 rows"),
         (dict(midline=[len(truth)]), "numbers of vertices")):
         with pytest.raises(ValueError, match=text):

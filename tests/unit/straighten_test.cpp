@@ -523,6 +523,22 @@ TEST(Straighten, AFinIsNoReasonToMoveTheLine) {
     EXPECT_FALSE(given.report.isBeside);
 }
 
+TEST(Straighten, WhoHasAskedForTheMiddleIsNotToldTo) {
+    Shape bent = Tube(100, 3, 3, 300, 64); // with a fin on the inner side, and a line on the outer one
+    for (Vector3d &p : bent.position) {
+        if (p[1] > 2.6)
+            p[1] += 30 * std::exp(-std::pow((p[0] - 60) / 6, 2));
+        p = Bent(p, 100, 1.5);
+    }
+    LineGoal goal;
+    goal.line = BentLine(100, 1.5, 9, 0.01, 0.99, {0, -3, 0});
+    goal.middle = true;
+    const Straight through = Along(bent, goal);
+    EXPECT_FALSE(through.report.leftMiddle);
+    EXPECT_GT(through.report.lengthening, 0.03);
+    EXPECT_FALSE(through.report.isBeside);
+}
+
 TEST(Straighten, TellsALineToOneSide) {
     const double length = 100, turn = 1.5, radius = 3;
     const Shape straight = Tube(length, radius, radius, 200, 48);
