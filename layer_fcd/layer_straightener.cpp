@@ -118,6 +118,8 @@ std::string describe(const StraightenedLayers &made) {
 std::vector<std::string> warningsOf(const StraightenedLayers &made) {
     const vcg::fcd::StraightenReport &report = made.report;
     std::vector<std::string> warnings;
+    const std::string remedy =
+        report.isMiddle ? "raise line_smoothing." : "lay the line through the middle, or raise line_smoothing.";
     if (report.leftMiddle)
         warnings.emplace_back("The line stays as given: through the middles of the cross-sections it would stretch the "
                               "surface more.");
@@ -132,22 +134,20 @@ std::vector<std::string> warningsOf(const StraightenedLayers &made) {
         }
         line << (report.releasedAt.size() > 5 ? ", and elsewhere" : "")
              << " of its length, the surface follows its surroundings as rigidly as possible: cross-sections that move "
-                "with the line would fold it, or make it twice or half as long. If that is not meant, lay the line "
-                "through the middle, or raise line_smoothing.";
+                "with the line would fold it, or make it twice or half as long. If that is not meant, "
+             << remedy;
         warnings.push_back(line.str());
     }
     if (report.isBeside) {
         std::ostringstream line;
         line << "The line lies to one side of the surface, which gets longer or shorter along it by "
              << 100 * report.lengthening
-             << " % (rms). If the line was picked on the surface, tick 'Through the middle' "
-             << "(middle).";
+             << " % (rms). If the line was picked on the surface, tick 'Through the middle' (middle).";
         warnings.push_back(line.str());
     }
     if (made.result.check.flipped > 0)
         warnings.push_back(trianglesFlipped(std::size_t(made.result.check.flipped)) +
-                           ": the surface is folded there. Lay the line through the middle, or raise "
-                           "line_smoothing.");
+                           ": the surface is folded there. Remedy: " + remedy);
     if (!made.result.converged)
         warnings.emplace_back("The surface did not converge away from the line.");
     return warnings;
