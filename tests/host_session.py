@@ -100,6 +100,19 @@ def test_a_session_brings_tags_to_a_file_without_them(tmp_path, file, left_out):
     assert all(same_points(a, b) for a, b in zip(look(plain), own))
 
 
+def test_a_copy_is_saved_as_its_original(tmp_path):
+    ms, own, shapes = posed()
+    ms.apply_filter("generate_copy_of_current_mesh")
+    saved = ms.apply_filter(SAVE, session_file=str(tmp_path / "s.fcd"))
+    assert saved["colors"] and saved["rest_shape"] and saved["earlier"] == 1
+    again = reopened(ms, tmp_path)
+    again.apply_filter(LOAD, session_file=str(tmp_path / "s.fcd"))
+    again.apply_filter(RESET, to=1)
+    again.apply_filter(CLEAR)
+    assert same_points(again.current_mesh().vertex_matrix(), shapes[0])
+    assert all(same_points(a, b) for a, b in zip(look(again), own))
+
+
 def test_a_session_leaves_what_was_painted_on_a_scan_without_colours(tmp_path):
     ms, scan = new_set(), new_set()
     bone = clean_bone().current_mesh()
