@@ -8,16 +8,15 @@ using host::Shown;
 
 namespace {
 
-/// The layers of a deformation; the default is the last one. \param param a CopyParam or SaveDeformationParam
-template <class Param>
-void askLayers(Fields &fields, Param &param) {
+/// The layers of a deformation; the default is the last one.
+void askLayers(Fields &fields, DeformationLayers &layers) {
     const DeformationLayers last = lastDeformation(fields.document);
     fields.layer(
-        "source_layer", param.source, last.source ? last.source : fields.document.mm(), Shown::Always, "Source layer",
+        "source_layer", layers.source, last.source ? last.source : fields.document.mm(), Shown::Always, "Source layer",
         "The layer that was deformed, in the shape that it had then. By default that of the last deformation.");
-    fields.layer("rest_graph", param.restGraph, last.restGraph ? last.restGraph : likelyGraph(fields.document, false),
+    fields.layer("rest_graph", layers.restGraph, last.restGraph ? last.restGraph : likelyGraph(fields.document, false),
                  Shown::Always, "Graph at rest", "The layer with the deformation graph of the source.");
-    fields.layer("deformed_graph", param.deformedGraph,
+    fields.layer("deformed_graph", layers.deformedGraph,
                  last.deformedGraph ? last.deformedGraph : likelyGraph(fields.document, true), Shown::Always,
                  "Deformed graph", "The layer with the same graph, deformed.");
 }

@@ -2,6 +2,7 @@
 #include "filter_parameters.h"
 #include "filter_fcd.h"
 
+#include <layer_fcd/inherited.h>
 #include <layer_fcd/session_file.h>
 
 // FCD: Save Session and FCD: Load Session.
@@ -27,6 +28,8 @@ HostFilterPlugin::ReturnedValues FilterFcd::session(int id, const RichParameterL
                                                     const MeshDocument &document, MeshModel &layer) const {
     const QString file = id == SaveSession ? read<SaveSessionParam>(parameters, document).file
                                            : read<LoadSessionParam>(parameters, document).file;
+    if (id == SaveSession)
+        inheritState(document, layer);
     const SessionContents contents = id == SaveSession ? saveSession(layer, file) : loadSession(document, layer, file);
     logLine((id == SaveSession ? "Saved: " : "Loaded: ") + describe(contents));
     return {{"marks", contents.marks},     {"colors", contents.colors},

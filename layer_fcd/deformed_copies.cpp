@@ -26,7 +26,7 @@ DeformedCopies copyDeformation(MeshDocument &document, const CopyParam &param, c
     int sides = 0; // CarryingSurface::sidesTold for the present layer
     Eigen::Affine3d matrix = Eigen::Affine3d::Identity();
     if (param.file.isEmpty()) {
-        const Deformation &deformation = deformationOf(param.source, param.restGraph, param.deformedGraph);
+        const Deformation &deformation = deformationOf(param);
         source = std::make_unique<const CarryingSurface>(*param.source, positionsBefore(*param.source, deformation));
         carrier = std::make_unique<vcg::fcd::Carrier>(*deformation.prepared->deformer, deformation.pose);
         displacement = [&](const Carried &vertex, Eigen::Matrix3f &map) {

@@ -72,36 +72,27 @@ MeshModel &NewLayers::addGraphSurface(const QString &what, const vcg::fcd::Graph
     const double ball = 0.2, tube = 0.07; // of the mean radius of the patches
     const double radius = graph.radius.size() > 0 ? graph.radius.mean() : 0;
     const int around = 8, along = 6; // corners of a ring; rings of a ball from pole to pole
-    const std::size_t nodes = std::size_t(graph.position.cols()), edges = graph.edge.size();
+    const std::size_t nodes = std::size_t(graph.position.cols());
 
-    MeshModel &layer = add(what);
-    CMeshO &mesh = layer.cm;
-    layer.updateDataMask(MeshModel::MM_VERTCOLOR);
-    auto vertex = vcg::tri::Allocator<CMeshO>::AddVertices(mesh, std::size_t(around) *
-                                                                     (2 * edges + std::size_t(along + 1) * nodes));
-    auto face =
-        vcg::tri::Allocator<CMeshO>::AddFaces(mesh, std::size_t(2 * around) * (edges + std::size_t(along) * nodes));
+    Eigen::Matrix3Xd place(3, around * (2 * Eigen::Index(graph.edge.size()) + (along + 1) * Eigen::Index(nodes)));
+    std::vector<vcg::Color4b> color; // by vertex
+    std::vector<std::array<std::size_t, 3>> faces;
     // Rings about the line through center along axis, each joined to the next one; at(ring): height and radius.
     const auto addRings = [&](const Eigen::Vector3d &center, const Eigen::Vector3d &axis, int rings, const auto &at,
-                              const vcg::Color4b &color) {
+                              const vcg::Color4b &its) {
         const Eigen::Vector3d u = axis.unitOrthogonal(), v = axis.cross(u);
         for (int r = 0; r < rings; ++r)
             for (int k = 0; k < around; ++k) {
                 const double angle = 2 * double(EIGEN_PI) * k / around;
                 const auto [height, width] = at(r);
-                vertex->P() = toPoint(center + height * axis + width * (std::cos(angle) * u + std::sin(angle) * v));
-                vertex->C() = color;
+                const std::size_t low = color.size(), right = low - std::size_t(k) + std::size_t(k + 1) % around;
+                place.col(Eigen::Index(low)) =
+                    center + height * axis + width * (std::cos(angle) * u + std::sin(angle) * v);
+                color.push_back(its);
                 if (r + 1 < rings) {
-                    const int next = (k + 1) % around - k;
-                    CVertexO *low = &*vertex, *right = low + next;
-                    CVertexO *const corners[2][3] = {{low, right, right + around}, {low, right + around, low + around}};
-                    for (const auto &corner : corners) {
-                        for (int c = 0; c < 3; ++c)
-                            face->V(c) = corner[c];
-                        ++face;
-                    }
+                    faces.push_back({low, right, right + around});
+                    faces.push_back({low, right + around, low + around});
                 }
-                ++vertex;
             }
     };
     for (const auto &ends : graph.edge) {
@@ -111,7 +102,7 @@ MeshModel &NewLayers::addGraphSurface(const QString &what, const vcg::fcd::Graph
             from, length > 0 ? Eigen::Vector3d(way / length) : Eigen::Vector3d::UnitZ(), 2,
             [&](int r) { return std::pair<double, double>(r * length, tube * radius); }, vcg::Color4b(60, 60, 60, 255));
     }
-    const std::vector<vcg::Color4b> color = colorsOf(graph);
+    const std::vector<vcg::Color4b> ofNode = colorsOf(graph);
     for (std::size_t i = 0; i < nodes; ++i)
         addRings(
             graph.position.col(Eigen::Index(i)), Eigen::Vector3d::UnitZ(), along + 1,
@@ -119,20 +110,39 @@ MeshModel &NewLayers::addGraphSurface(const QString &what, const vcg::fcd::Graph
                 const double angle = double(EIGEN_PI) * r / along;
                 return std::pair<double, double>(-ball * radius * std::cos(angle), ball * radius * std::sin(angle));
             },
-            color[i]);
-    computeBoxAndNormals(layer.cm);
+            ofNode[i]);
+    MeshModel &layer = addSurface(what, place, faces);
+    layer.updateDataMask(MeshModel::MM_VERTCOLOR);
+    for (std::size_t i = 0; i < color.size(); ++i)
+        layer.cm.vert[i].C() = color[i];
+    return layer;
+}
+
+MeshModel &NewLayers::addPoints(const QString &what, const Eigen::Matrix3Xd &points,
+                                const std::vector<std::array<vcg::fcd::Index, 2>> &edges) {
+    MeshModel &layer = add(what);
+    CMeshO &mesh = layer.cm;
+    const auto count = std::size_t(points.cols());
+    vcg::tri::Allocator<CMeshO>::AddVertices(mesh, count);
+    for (std::size_t i = 0; i < count; ++i)
+        mesh.vert[i].P() = toPoint(points.col(Eigen::Index(i)));
+    auto edge = vcg::tri::Allocator<CMeshO>::AddEdges(mesh, edges.size());
+    for (const auto &ends : edges) {
+        for (int k = 0; k < 2; ++k)
+            edge->V(k) = &mesh.vert[std::size_t(ends[std::size_t(k)])];
+        ++edge;
+    }
+    computeBoxAndNormals(mesh);
     return layer;
 }
 
 MeshModel &NewLayers::addGraph(const QString &what, const vcg::fcd::GraphGeometry &graph, bool isDeformed) {
-    MeshModel &layer = add(what);
+    MeshModel &layer = addPoints(what, graph.position, graph.edge);
     CMeshO &mesh = layer.cm;
     layer.updateDataMask(MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY);
-    vcg::tri::Allocator<CMeshO>::AddVertices(mesh, std::size_t(graph.position.cols()));
     const std::vector<vcg::Color4b> color = colorsOf(graph);
     for (Eigen::Index i = 0; i < graph.position.cols(); ++i) {
         CVertexO &vertex = mesh.vert[std::size_t(i)];
-        vertex.P() = toPoint(graph.position.col(i));
         vertex.N() = toPoint(graph.normal.col(i)).Normalize(); // without a normal, MeshLab draws it black
         vertex.Q() = CVertexO::QualityType(graph.radius[i]);
         vertex.C() = color[std::size_t(i)];
@@ -142,50 +152,31 @@ MeshModel &NewLayers::addGraph(const QString &what, const vcg::fcd::GraphGeometr
         for (Eigen::Index i = 0; i < graph.energy.size(); ++i)
             energy[std::size_t(i)] = Scalarm(graph.energy[i]);
     }
-    auto edge = vcg::tri::Allocator<CMeshO>::AddEdges(mesh, graph.edge.size());
-    for (const auto &ends : graph.edge) {
-        edge->V(0) = &mesh.vert[std::size_t(ends[0])];
-        edge->V(1) = &mesh.vert[std::size_t(ends[1])];
-        ++edge;
-    }
-    computeBoxAndNormals(layer.cm);
     LayerState::made(document, layer).graph = {base.id(), isDeformed, shapeOf(mesh)};
     return layer;
 }
 
 MeshModel &NewLayers::addSurface(const QString &what, const Eigen::Matrix3Xd &vertices,
                                  const std::vector<std::array<std::size_t, 3>> &faces) {
-    MeshModel &layer = add(what);
+    MeshModel &layer = addPoints(what, vertices, {});
     CMeshO &mesh = layer.cm;
-    const auto count = std::size_t(vertices.cols());
-    vcg::tri::Allocator<CMeshO>::AddVertices(mesh, count);
-    for (std::size_t i = 0; i < count; ++i)
-        mesh.vert[i].P() = toPoint(vertices.col(Eigen::Index(i)));
     auto face = vcg::tri::Allocator<CMeshO>::AddFaces(mesh, faces.size());
     for (const auto &corner : faces) {
         for (int c = 0; c < 3; ++c)
             face->V(c) = &mesh.vert[corner[std::size_t(c)]];
         ++face;
     }
-    computeBoxAndNormals(mesh);
+    computeNormals(mesh);
     return layer;
 }
 
 MeshModel &NewLayers::addLine(const QString &what, const Eigen::Matrix3Xd &points) {
-    MeshModel &layer = add(what);
-    CMeshO &mesh = layer.cm;
-    mesh.Tr.SetIdentity();
-    const auto count = std::size_t(points.cols());
-    vcg::tri::Allocator<CMeshO>::AddVertices(mesh, count);
-    for (std::size_t i = 0; i < count; ++i) {
-        mesh.vert[i].P() = toPoint(points.col(Eigen::Index(i)));
-        mesh.vert[i].N() = Point3m(0, 0, 1); // without a normal, MeshLab draws it black
-    }
-    auto edge = vcg::tri::Allocator<CMeshO>::AddEdges(mesh, count - 1);
-    for (std::size_t i = 1; i < count; ++i, ++edge) {
-        edge->V(0) = &mesh.vert[i - 1];
-        edge->V(1) = &mesh.vert[i];
-    }
-    computeBoxAndNormals(mesh);
+    std::vector<std::array<vcg::fcd::Index, 2>> edges;
+    for (vcg::fcd::Index i = 1; i < points.cols(); ++i)
+        edges.push_back({i - 1, i});
+    MeshModel &layer = addPoints(what, points, edges);
+    layer.cm.Tr.SetIdentity();
+    for (CVertexO &vertex : layer.cm.vert)
+        vertex.N() = Point3m(0, 0, 1); // without a normal, MeshLab draws it black
     return layer;
 }

@@ -211,3 +211,10 @@ bool handDownScan(const MeshDocument &document, const LayerState &state) {
     return handDown(document, state, &LayerState::scan,
                     [&state](const MeshModel &layer) { return inheritedScan(layer, {&state}); });
 }
+
+void inheritState(const MeshDocument &document, MeshModel &layer) {
+    RestShape::inherit(document, layer);
+    if (!LayerState::known(layer).scan)
+        if (std::optional<KeptScan> found = inheritedScan(layer, LayerState::ofOthers(document, layer)))
+            LayerState::made(document, layer).scan = std::move(found);
+}

@@ -21,6 +21,9 @@ std::optional<RestState> inheritedRest(const MeshModel &layer, const std::vector
 /// layers' vertices; none if there are none. \param sources the states of other layers
 std::optional<KeptScan> inheritedScan(const MeshModel &layer, const std::vector<const LayerState *> &sources);
 
+/// Gives a copy what its original has of both, unless it has its own.
+void inheritState(const MeshDocument &document, MeshModel &layer);
+
 /// Gives inherit(layer) to the layers of \p document that have no such part (\p kept) of a state. \param state of the
 /// layer that they may inherit from \return whether a layer got something
 template <class Kept, class Inherit>

@@ -22,7 +22,8 @@ void keepDeformation(const MeshDocument &document, MeshModel &graph, const MeshM
         Deformation{prepared, pose, shapeOf(source.cm), source.cm.fn, source.id(), restGraph.id()});
 }
 
-const Deformation &deformationOf(MeshModel *source, const MeshModel *restGraph, MeshModel *deformedGraph) {
+const Deformation &deformationOf(const DeformationLayers &layers) {
+    const auto [source, restGraph, deformedGraph] = layers;
     if (!source || !restGraph || !deformedGraph)
         throw Error(
             "source_layer, rest_graph and deformed_graph must be layers of this document. Or give a deformation_file.");
@@ -63,9 +64,10 @@ DeformationLayers lastDeformation(const MeshDocument &document) {
         const std::shared_ptr<const Deformation> &found = LayerState::known(*layer).deformation;
         if (!found || (last.deformedGraph && layer->id() < last.deformedGraph->id()))
             continue;
-        const MeshModel *source = document.getMesh(found->source), *restGraph = document.getMesh(found->restGraph);
+        MeshDocument &all = const_cast<MeshDocument &>(document); // which is not changed
+        MeshModel *source = all.getMesh(found->source), *restGraph = all.getMesh(found->restGraph);
         if (source && restGraph)
-            last = {source, restGraph, layer};
+            last = {source, restGraph, all.getMesh(layer->id())};
     }
     return last;
 }

@@ -23,16 +23,11 @@ void keepDeformation(const MeshDocument &document, MeshModel &graph, const MeshM
                      const MeshModel &source, const std::shared_ptr<const Prepared> &prepared,
                      const vcg::fcd::Deformer::Pose &pose);
 
-/// The deformation of \p source. \throw vcg::fcd::Error the layers are not those of one deformation
-const Deformation &deformationOf(MeshModel *source, const MeshModel *restGraph, MeshModel *deformedGraph);
+/// The deformation of layers.source. \throw vcg::fcd::Error the layers are not those of one deformation
+const Deformation &deformationOf(const DeformationLayers &layers);
 
 /// The positions of \p source when it was deformed, 3 x slots. \param deformation as of deformationOf
 Eigen::Matrix3Xd positionsBefore(MeshModel &source, const Deformation &deformation);
-
-/// The layers of a deformation; null: none.
-struct DeformationLayers {
-    const MeshModel *source = nullptr, *restGraph = nullptr, *deformedGraph = nullptr;
-};
 
 /// The layers of the last deformation that is kept and has all of its layers.
 DeformationLayers lastDeformation(const MeshDocument &document);

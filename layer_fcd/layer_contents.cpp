@@ -89,7 +89,7 @@ std::uint64_t contentsOf(const MeshModel &layer) {
         all.addText(texture);
     for (const auto *attributes : {&mesh.vert_attr, &mesh.face_attr, &mesh.edge_attr}) {
         for (const vcg::PointerToAttribute &attribute : *attributes)
-            if (!LayerState::isIts(attribute)) {
+            if (!attribute._name.empty()) { // else scratch data
                 all.addText(attribute._name);
                 addValues<char, bool, int, unsigned, float, double, Point3m, vcg::Point3f, vcg::Color4b>(
                     attribute,

@@ -38,8 +38,6 @@ void LayerDeformer::readSurface() {
         surface = vcg::tri::ReadSurface(layer.cm);
 }
 
-void LayerDeformer::readHandles(const HandleParam &param) { handles = ::readHandles(layer, rest, param); }
-
 void LayerDeformer::prepare(const vcg::fcd::SurfaceView &read, std::vector<int> tag, const Eigen::Affine3d &world,
                             const DeformerParam &param, const Progress &progress) {
     handles = {};
@@ -48,22 +46,18 @@ void LayerDeformer::prepare(const vcg::fcd::SurfaceView &read, std::vector<int> 
     prepareRead(read, param, progress);
 }
 
-bool LayerDeformer::prepare(const DeformerParam &param, const Progress &progress) {
-    return prepare(facesOf(layer.cm), param, progress);
-}
-
+/// Finds the deformer for the handles, or reads the layer and prepares it. \return whether it was prepared anew
 bool LayerDeformer::prepare(std::uint64_t faces, const DeformerParam &param, const Progress &progress) {
-    const PreparedLayers::Key key = PreparedLayers::keyOf(layer.cm, rest, faces, handles, param);
-    found = preparedLayers.find(key);
+    found = preparedLayers.find(PreparedLayers::keyOf(layer.cm, rest, faces, handles, param));
     if (found)
         return false;
     readSurface();
-    found = preparedLayers.add(key, document, number, surface.View(), handles, param, progress);
+    prepareRead(surface.View(), param, progress);
     surface = {};
     return true;
 }
 
-/// Prepares the deformer for a surface that has been read.
+/// The same for a surface that has been read.
 void LayerDeformer::prepareRead(const vcg::fcd::SurfaceView &read, const DeformerParam &param,
                                 const Progress &progress) {
     const PreparedLayers::Key key = PreparedLayers::keyOf(read, handles, param);
@@ -99,10 +93,6 @@ bool LayerDeformer::prepareWithNodesOf(const MeshModel *graph, DeformationParam 
     return false;
 }
 
-bool LayerDeformer::readMotions(const HandleParam &param) {
-    return ::readMotions(document, layer, rest, param, found->deformer->center, remark, handles);
-}
-
 Deformer::Pose LayerDeformer::solve(const DeformationParam &param, const Progress &progress) const {
     return solveOtherwise ? solveOtherwise(*found->deformer, param, progress)
                           : found->deformer->Solve(handles, param, progress);
@@ -122,7 +112,7 @@ DeformedLayers LayerDeformer::deform(DeformMeshParam param, bool replaceEarlier,
     const bool inWindow = host::inWindow();
     DeformedLayers made;
     vcg::fcd::DeformationResult &result = made.result;
-    readHandles(param.handles);
+    handles = readHandles(layer, rest, param.handles);
     param.deformation.linear = hasDirections(layer);
     readSurface();
     if (param.useGraphLayer)
@@ -130,7 +120,7 @@ DeformedLayers LayerDeformer::deform(DeformMeshParam param, bool replaceEarlier,
             prepareWithNodesOf(param.graphLayer, param.deformation, progress.Slice(0, 0.7), made.givenNodes);
     else
         prepareRead(surface.View(), param.deformation, progress.Slice(0, 0.7));
-    const bool moves = readMotions(param.handles);
+    const bool moves = readMotions(document, layer, rest, param.handles, found->deformer->center, remark, handles);
     if (inWindow && (!moves || param.deformation.pose == 0))
         throw Error(
             "Nothing would move. Give a translation, a rotation (an angle that is not 0), a matrix, a layer that lies "
@@ -184,14 +174,6 @@ DeformedLayers LayerDeformer::deform(DeformMeshParam param, bool replaceEarlier,
 
 // --- FCD: Pose in Place ---
 
-/// The contact of the posed layer.
-vcg::fcd::SurfaceContact LayerDeformer::contactNow(const DeformerParam &param) const {
-    const Point3m *atRest = RestShape(layer).positions();
-    const vcg::fcd::SurfaceArrays read =
-        vcg::tri::ReadSurface(layer.cm, {}, [atRest](std::size_t slot) { return atRest[slot]; });
-    return vcg::fcd::ContactOf(read.View(), *found->deformer, positionsOf(layer), param);
-}
-
 PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress) {
     CMeshO &mesh = layer.cm;
     PoseResult result;
@@ -204,7 +186,7 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
                                        "the layer has now.",
                                        remark);
     rest = isFirst ? nullptr : RestShape(layer).positions();
-    readHandles(param.handles);
+    handles = readHandles(layer, rest, param.handles);
     const std::uint64_t faces = isFirst ? facesOf(mesh) : RestShape(layer).followFaces();
     result.prepared = prepare(faces, param.deformation, progress.Slice(0, 0.9));
     result.secondsPrepare = found->seconds;
@@ -212,7 +194,7 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
     result.tags = found->tags;
 
     watch = {};
-    readMotions(param.handles);
+    readMotions(document, layer, rest, param.handles, found->deformer->center, remark, handles);
     const Deformer::Pose pose = solve(param.deformation, progress.Slice(0.9, 1));
     result.nodes = int(found->deformer->Nodes());
     result.iterations = pose.iterations;
@@ -243,8 +225,12 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
             computeFaceNormals(mesh, found->moving);
         restShape.knowNormals();
         result.secondsNormals = watch.Seconds();
-        if (param.contact && moved && mesh.fn > 0)
-            result.contact = contactNow(param.deformation);
+        if (param.contact && moved && mesh.fn > 0) {
+            rest = restShape.positions();
+            readSurface();
+            result.contact =
+                vcg::fcd::ContactOf(surface.View(), *found->deformer, positionsOf(layer), param.deformation);
+        }
     } catch (const std::bad_alloc &) {
         if (isFirst)
             RestShape::drop(layer);

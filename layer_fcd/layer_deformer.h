@@ -35,7 +35,7 @@ struct PoseResult {
 };
 
 /// Deforms a layer, for filters and the tool: reads tags and point handles, finds or prepares a deformer, reads
-/// motions. deform() and pose() are whole filters; their steps follow, in order, for other callers.
+/// motions. deform() and pose() are whole filters; steps of them follow, in order, for other callers.
 class LayerDeformer {
   public:
     /// \param preparedLayers keeps the deformers \param remark may be empty
@@ -53,21 +53,15 @@ class LayerDeformer {
 
     // --- the steps ---
 
-    /// Reads tags and point handles. \throw vcg::fcd::Error they cannot be read
-    void readHandles(const HandleParam &param);
-    /// Finds the deformer for these, or prepares it. \return whether it was prepared anew
-    /// \throw vcg::fcd::Error no handle, nothing free, ... \throw vcg::fcd::Cancelled
-    bool prepare(const vcg::fcd::DeformerParam &param, const vcg::fcd::Progress &progress = {});
-    /// The same for arrays of the layer at rest, with the matrix \p world. Reads neither layer nor document, so it can
-    /// run in another thread than the window's. \param tag one per vertex slot
+    /// Finds the deformer for arrays of the layer at rest, with the matrix \p world, or prepares it. Reads neither
+    /// layer nor document, so it can run in another thread than the window's.
+    /// \param tag one per vertex slot \throw vcg::fcd::Error no handle, nothing free, ... \throw vcg::fcd::Cancelled
     void prepare(const vcg::fcd::SurfaceView &surface, std::vector<int> tag, const Eigen::Affine3d &world,
                  const vcg::fcd::DeformerParam &param, const vcg::fcd::Progress &progress = {});
     const std::shared_ptr<Prepared> &prepared() const { return found; }
     /// Releases the deformer.
     void forget() { found.reset(); }
 
-    /// Reads the motions. \return whether any handle moves
-    bool readMotions(const HandleParam &param);
     /// Sets the motions of handles, world units.
     void takeMotions(std::map<vcg::fcd::Index, vcg::fcd::Motion> motion) { handles.motion = std::move(motion); }
 
@@ -90,7 +84,6 @@ class LayerDeformer {
     bool prepareWithNodesOf(const MeshModel *graph, vcg::fcd::DeformationParam &param,
                             const vcg::fcd::Progress &progress, vcg::fcd::Index &nodes);
     void readSurface();
-    vcg::fcd::SurfaceContact contactNow(const vcg::fcd::DeformerParam &param) const;
 
     MeshDocument &document;
     MeshModel &layer;

@@ -170,8 +170,7 @@ SequenceLayers makeSequence(MeshDocument &document, MeshModel &layer, PreparedLa
     const PoseSequence sequence = std::move(poses).of(SurfaceMark::Of(view, world));
     const vcg::fcd::Handles handles = readHandles(layer, nullptr, param.handles);
     LayerDeformer layerDeformer(document, layer, preparedLayers, remark);
-    layerDeformer.readHandles(param.handles);
-    layerDeformer.prepare(param.deformation, progress.Slice(0.02, 0.3));
+    layerDeformer.prepare(view, handles.tag, handles.world, param.deformation, progress.Slice(0.02, 0.3));
     const Prepared &prepared = *layerDeformer.prepared();
     const Deformer &deformer = *prepared.deformer;
     const auto motions = motionsOf(sequence, document, layer, deformer.center, handles.world);

@@ -18,30 +18,28 @@ static_assert(std::is_trivial<PosedVertex>::value, "zero for new vertices");
 
 namespace {
 
-/// A name that changes with the layout of a state and all that it holds, so that only a library with the same layout
-/// finds it. If you change a layout and no size below changes, increase the first number.
-const std::string &layoutName() {
-    static const std::string name = [] {
-        std::string text = "fcd_layer_state";
-        for (const std::size_t number :
-             {std::size_t(3), sizeof(LayerState), sizeof(RestState), sizeof(KeptScan), sizeof(vcg::fcd::PoseSequence),
-              sizeof(Deformation), sizeof(Prepared), sizeof(vcg::fcd::Deformer), sizeof(vcg::fcd::Deformer::Pose),
-              std::size_t(EIGEN_MAX_ALIGN_BYTES), std::size_t(EIGEN_WORLD_VERSION), std::size_t(EIGEN_MAJOR_VERSION),
-              std::size_t(EIGEN_MINOR_VERSION)})
-            text += "_" + std::to_string(number);
+/// A type whose name changes with the layout of a state and all that it holds, so that only a library with the same
+/// layout finds it. If you change a layout and no size below changes, increase the first number.
+template <std::size_t...>
+struct Layout {};
+using StateLayout =
+    Layout<4, sizeof(LayerState), sizeof(RestState), sizeof(KeptScan), sizeof(vcg::fcd::PoseSequence),
+           sizeof(Deformation), sizeof(Prepared), sizeof(vcg::fcd::Deformer), sizeof(vcg::fcd::Deformer::Pose),
+           EIGEN_MAX_ALIGN_BYTES, EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION,
 #ifdef _LIBCPP_VERSION
-        text += "_libc++";
+           1
+#else
+           0
 #endif
-        return text;
-    }();
-    return name;
-}
+           >;
 
 /// The attribute by which a mesh tells its state where vertices go. It has no memory, since the host does not free
-/// attributes of a mesh that is deleted.
-class StateAttribute final : public host::Follower {
+/// attributes of a mesh that is deleted; and no name, since filters of the host take the first attribute with a name
+/// for one with values.
+template <class Layout>
+class Attribute final : public host::Follower {
   public:
-    explicit StateAttribute(std::weak_ptr<LayerState> state) : state(std::move(state)) {}
+    explicit Attribute(std::weak_ptr<LayerState> state) : state(std::move(state)) {}
 
     std::shared_ptr<LayerState> get() const { return state.lock(); }
 
@@ -57,6 +55,23 @@ class StateAttribute final : public host::Follower {
   private:
     std::weak_ptr<LayerState> state;
 };
+using StateAttribute = Attribute<StateLayout>;
+
+bool isIts(const vcg::PointerToAttribute &attribute) {
+    return attribute._name.empty() && host::isCalled<StateAttribute>(attribute);
+}
+
+/// Removes the attribute of a state, if there is one.
+void removeAttribute(CMeshO &mesh) {
+    const auto its = std::find_if(mesh.vert_attr.begin(), mesh.vert_attr.end(), isIts);
+    if (its == mesh.vert_attr.end())
+        return;
+    delete its->_handle;
+    mesh.vert_attr.erase(its);
+}
+
+/// The name of the property of a document that points at its states.
+const char *propertyName() { return typeid(StateAttribute).name(); }
 
 /// The states of a document's layers, by layer number.
 using States = std::map<int, std::shared_ptr<LayerState>>;
@@ -64,7 +79,7 @@ using States = std::map<int, std::shared_ptr<LayerState>>;
 /// The states of \p document; null: none. A property of the document points at them; the connection that tells which
 /// layers are deleted owns them.
 States *statesOf(const MeshDocument &document) {
-    return static_cast<States *>(document.property(layoutName().c_str()).value<void *>());
+    return static_cast<States *>(document.property(propertyName()).value<void *>());
 }
 
 /// A list, in words, of what is kept for a layer that neither a mesh file, a project nor another layer can hold.
@@ -143,8 +158,7 @@ States &madeStatesOf(const MeshDocument &document) {
     });
     if (host::inWindow())
         tellWhenProjectsAreSaved(const_cast<MeshDocument &>(document));
-    const_cast<MeshDocument &>(document).setProperty(layoutName().c_str(),
-                                                     QVariant::fromValue(static_cast<void *>(known)));
+    const_cast<MeshDocument &>(document).setProperty(propertyName(), QVariant::fromValue(static_cast<void *>(known)));
     return *known; // the connection owns them
 }
 
@@ -184,10 +198,6 @@ void forPairs(LayerState &state, const SlotOf &slotOf) {
 
 } // namespace
 
-bool LayerState::isIts(const vcg::PointerToAttribute &attribute) {
-    return attribute._name.rfind(layoutName(), 0) == 0 && host::isCalled<StateAttribute>(attribute);
-}
-
 LayerState *LayerState::of(const CMeshO &mesh) {
     for (const vcg::PointerToAttribute &attribute : mesh.vert_attr)
         if (isIts(attribute))
@@ -214,13 +224,8 @@ LayerState &LayerState::made(const MeshDocument &document, MeshModel &layer) {
     }
     const auto state = std::make_shared<LayerState>();
     CMeshO &mesh = layer.cm;
-    const auto dead = std::find_if(mesh.vert_attr.begin(), mesh.vert_attr.end(), isIts); // of a state that is gone
-    if (dead != mesh.vert_attr.end())
-        vcg::tri::Allocator<CMeshO>::DeletePerVertexAttribute(mesh, dead->_name);
+    removeAttribute(mesh); // of a state that is gone
     vcg::PointerToAttribute attribute;
-    attribute._name = layoutName();
-    while (vcg::tri::HasPerVertexAttribute(mesh, attribute._name))
-        attribute._name += '_'; // another program's
     attribute._handle = new StateAttribute(state);
     attribute._sizeof = 0; // hosts take values of the size of a number or a point for one
     attribute._padding = 0;
@@ -237,12 +242,8 @@ bool LayerState::isEmpty() const {
 }
 
 void LayerState::tidy(MeshModel &layer) {
-    const LayerState *state = of(layer);
-    for (const vcg::PointerToAttribute &attribute : layer.cm.vert_attr)
-        if (state && state->isEmpty() && isIts(attribute)) {
-            vcg::tri::Allocator<CMeshO>::DeletePerVertexAttribute(layer.cm, attribute._name);
-            return;
-        }
+    if (const LayerState *state = of(layer); state && state->isEmpty())
+        removeAttribute(layer.cm);
 }
 
 std::vector<const LayerState *> LayerState::ofOthers(const MeshDocument &document, const MeshModel &layer) {

@@ -176,9 +176,6 @@ struct LayerState {
     /// The states of the other layers of a document.
     static std::vector<const LayerState *> ofOthers(const MeshDocument &document, const MeshModel &layer);
 
-    /// Whether it is the attribute by which states follow their vertices.
-    static bool isIts(const vcg::PointerToAttribute &attribute);
-
     /// Resizes the values per slot, with zero for new slots.
     void resize(std::size_t n);
     /// Moves the value of each slot to newSlots[slot]; drops it if that is the largest number of its type.

@@ -36,7 +36,7 @@ bool addIfOfOne(CMeshO &to, const vcg::PointerToAttribute &attribute, bool isOfV
 void addAttributes(CMeshO &to, const MeshModel &from, const Remark &remark) {
     const auto add = [&](const auto &attributes, bool isOfVertices) {
         for (const vcg::PointerToAttribute &attribute : attributes) {
-            if (attribute._name.empty() || LayerState::isIts(attribute) || isApplied(from, attribute._name))
+            if (attribute._name.empty() || isApplied(from, attribute._name))
                 continue; // scratch data, or attributes that are not copied
             if (!addIfOfOne<bool, char, signed char, unsigned char, short, unsigned short, int, unsigned, long,
                             unsigned long, long long, unsigned long long, float, double, vcg::Point2f, vcg::Point2d,

@@ -76,6 +76,8 @@ class NewLayers {
     static void reportDone(const vcg::fcd::Progress &progress) { progress(1, "Done"); }
     void keepNow(const MeshModel &current);
     MeshModel &add(const QString &what);
+    MeshModel &addPoints(const QString &what, const Eigen::Matrix3Xd &points,
+                         const std::vector<std::array<vcg::fcd::Index, 2>> &edges);
     MeshModel &addCopy(const QString &what, int withoutElements, const Eigen::Matrix3Xd *position = nullptr);
 
     MeshDocument &document;

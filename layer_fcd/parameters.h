@@ -192,17 +192,20 @@ struct ResetPoseParam {
     To to = LastShape;
 };
 
-/// Parameters of "FCD: Apply Deformation to Layer".
-struct CopyParam {
+/// The layers of a deformation by "FCD: Deform Mesh"; null: none.
+struct DeformationLayers {
     MeshModel *source = nullptr, *restGraph = nullptr, *deformedGraph = nullptr;
+};
+
+/// Parameters of "FCD: Apply Deformation to Layer".
+struct CopyParam : DeformationLayers {
     QString file;              ///< of a saved deformation; empty: the three layers have it
     bool displacement = false; ///< also the attribute "fcd_displacement" of the new vertices
     bool allVisible = false;   ///< applies it to all other visible layers, not to the current one
 };
 
 /// Parameters of "FCD: Save Deformation".
-struct SaveDeformationParam {
-    MeshModel *source = nullptr, *restGraph = nullptr, *deformedGraph = nullptr;
+struct SaveDeformationParam : DeformationLayers {
     QString file;         ///< .ply
     double accuracy = 0;  ///< as of vcg::fcd::FieldParam, world units
     bool inverse = false; ///< saves the inverse

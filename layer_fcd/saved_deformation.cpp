@@ -31,7 +31,7 @@ SavedDeformation saveDeformation(const SaveDeformationParam &param, const vcg::f
     const vcg::fcd::Stopwatch watch;
     SavedDeformation saved;
     progress(0, "Reading the source");
-    const Deformation &deformation = deformationOf(param.source, param.restGraph, param.deformedGraph);
+    const Deformation &deformation = deformationOf(param);
     const Eigen::Affine3d matrix = invertibleMatrixOf(*param.source);
     Eigen::Matrix3Xd rest = positionsBefore(*param.source, deformation), deformed = rest;
     std::vector<Eigen::Matrix3f> linear;

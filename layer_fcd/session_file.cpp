@@ -14,6 +14,7 @@
 
 #include <vcg/complex/algorithms/update/bounding.h>
 
+#include <cstdlib>
 #include <limits>
 #include <sstream>
 
@@ -123,6 +124,11 @@ double distanceFrom(const CMeshO &mesh, const Shape &shape) {
         if (!mesh.vert[i].IsD())
             most = std::max(most, (toVector(mesh.vert[i].cP()) - toVector(shape.position[i])).norm());
     return most;
+}
+
+/// Whether a colour is another one, as a format may round it: OBJ by one.
+bool isRounded(const vcg::Color4b &now, const std::uint8_t *color) {
+    return std::equal(color, color + 4, &now[0], [](int a, int b) { return std::abs(a - b) <= 1; });
 }
 
 SessionContents contentsOf(const LayerState &state) {
@@ -298,16 +304,19 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
             next.rest->vertex[i] = {{p[0], p[1], p[2]}, RestShape::placeOf(p)};
         });
     if (scan && scan->color) {
+        const bool hasColor = layer.hasDataMask(MeshModel::MM_VERTCOLOR); // many formats have none
         layer.updateDataMask(MeshModel::MM_VERTCOLOR);
         live.read(shownColor, 4, [&](std::size_t i, const std::uint8_t *c) {
-            if (!scan->hadColor || mesh.vert[i].cC() == scan->colors[scan->number[i] - 1])
+            const vcg::Color4b &now = mesh.vert[i].cC();
+            if (!hasColor || isRounded(now, &scan->colors[scan->number[i] - 1][0]) || isRounded(now, c))
                 mesh.vert[i].C() = vcg::Color4b(c[0], c[1], c[2], c[3]);
         });
     }
     if (scan && scan->quality) {
+        const bool hadNone = !hasQuality(layer);
         layer.updateDataMask(MeshModel::MM_VERTQUALITY);
         live.read(shownQuality, 1, [&](std::size_t i, const double *q) {
-            if (mesh.vert[i].cQ() == scan->qualities[scan->number[i] - 1])
+            if (hadNone || mesh.vert[i].cQ() == scan->qualities[scan->number[i] - 1])
                 mesh.vert[i].Q() = CVertexO::QualityType(*q);
         });
     }

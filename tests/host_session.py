@@ -82,6 +82,50 @@ def test_a_session_brings_tags_to_the_scan_itself(tmp_path):
     assert same_points(look(scan)[0][~painted], own[0][~painted]) and same_points(look(scan)[1], own[1])
 
 
+@pytest.mark.parametrize("file, left_out", [("plain.ply", dict(save_vertex_color=False, save_vertex_quality=False)), ("plain.obj", {})])
+def test_a_session_brings_tags_to_a_file_without_them(tmp_path, file, left_out):
+    """An OBJ file has no quality, and rounds colours."""
+    ms = coloured()
+    set_quality(ms, "x < 0.3 ? 5 : (x < 0.6 ? 1 : 4)")
+    own = look(ms)
+    tag_ends(ms)
+    ms.apply_filter(SAVE, session_file=str(tmp_path / "s.fcd"))
+    ms.save_current_mesh(str(tmp_path / file), **left_out)
+    plain = new_set()
+    plain.load_new_mesh(str(tmp_path / file))
+    assert not plain.current_mesh().vertex_scalar_array().any()
+    plain.apply_filter(LOAD, session_file=str(tmp_path / "s.fcd"))
+    assert all(same_points(a, b) for a, b in zip(look(plain), look(ms)))
+    assert plain.apply_filter(CLEAR)["other_vertices"] == 0
+    assert all(same_points(a, b) for a, b in zip(look(plain), own))
+
+
+def test_a_copy_is_saved_as_its_original(tmp_path):
+    ms, own, shapes = posed()
+    ms.apply_filter("generate_copy_of_current_mesh")
+    saved = ms.apply_filter(SAVE, session_file=str(tmp_path / "s.fcd"))
+    assert saved["colors"] and saved["rest_shape"] and saved["earlier"] == 1
+    again = reopened(ms, tmp_path)
+    again.apply_filter(LOAD, session_file=str(tmp_path / "s.fcd"))
+    again.apply_filter(RESET, to=1)
+    again.apply_filter(CLEAR)
+    assert same_points(again.current_mesh().vertex_matrix(), shapes[0])
+    assert all(same_points(a, b) for a, b in zip(look(again), own))
+
+
+def test_a_session_leaves_what_was_painted_on_a_scan_without_colours(tmp_path):
+    ms, scan = new_set(), new_set()
+    bone = clean_bone().current_mesh()
+    for each in (ms, scan):
+        each.add_mesh(pymeshlab.Mesh(bone.vertex_matrix(), bone.face_matrix()))
+    tag_ends(ms)
+    ms.apply_filter(SAVE, session_file=str(tmp_path / "s.fcd"))
+    scan.compute_color_by_function_per_vertex(x="1", y="2", z="3")
+    painted = look(scan)[0]
+    scan.apply_filter(LOAD, session_file=str(tmp_path / "s.fcd"))
+    assert same_points(look(scan)[0], painted) and same_points(look(scan)[1], look(ms)[1])
+
+
 def test_poses_with_names_go_along(tmp_path):
     ms = clean_bone()
     tag_ends(ms)

@@ -477,6 +477,20 @@ def test_attributes_of_the_user_are_his_whatever_they_are_called(name):
         assert same_points(mesh.vertex_custom_point_attribute_matrix(name + "_"), rest)
 
 
+def test_a_filter_that_takes_the_first_attribute_does_not_take_what_is_kept():
+    ms = coloured()
+    name = "apply_coord_directional_preservation"
+    if name not in pymeshlab.filter_list():
+        pytest.skip(f"no {name} in this pymeshlab")
+    set_quality(ms, "0")
+    tag_ends(ms)
+    ms.apply_filter(POSE, **BEND)
+    posed = ms.current_mesh().vertex_matrix()
+    with pytest.raises(pymeshlab.PyMeshLabException, match='point attribute called ""'):
+        ms.apply_filter(name)
+    assert same_points(ms.current_mesh().vertex_matrix(), posed)
+
+
 def split_at(ms):
     ms.compute_selection_by_condition_per_face(condselect="x0 > 0.4")
     ms.generate_from_selected_faces()
