@@ -90,8 +90,8 @@ inline CloudPairs PairNeighbours(const Eigen::Matrix3Xf &position, float hair, b
 
 /// The graph with an edge between two points if either is a neighbour of the other. What a held point has for
 /// neighbours depends on how many points around it are read, so between a free and a held point only those of the free
-/// one count. \param isHeld isHeld(point) \param edgeLengths out: their sum \throw BadInput more edges than indices can
-/// number
+/// one count.
+/// \param isHeld isHeld(point) \throw BadInput more edges than indices can number
 template <class IsHeld>
 Csr ConnectPoints(const Eigen::Matrix3Xf &position, const CloudPairs &pairs, const IsHeld &isHeld,
                   const Progress &progress) {
