@@ -241,9 +241,8 @@ def test_its_processes_end_with_it(tmp_path, how, status):
         try:
             run.stdout.readline()
             run.send_signal(how)  # to it alone
-            begin = time.monotonic()
-            said = run.communicate(timeout=60)[1].decode()  # all that have its streams are gone
-            assert time.monotonic() - begin < 30 and run.returncode == status, said
+            said = run.communicate(timeout=300)[1].decode()  # all that have its streams are gone
+            assert run.returncode == status and len(list((tmp_path / "o").glob("*.ply"))) < len(files) / 2, said
         finally:
             try:
                 os.killpg(run.pid, signal.SIGKILL)
