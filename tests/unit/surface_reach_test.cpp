@@ -23,7 +23,7 @@ TEST(SurfaceReach, FindsWhatTheShortestWayReaches) {
                              distance[std::size_t(u)] + double((graph.position.col(v) - graph.position.col(u)).norm()));
     for (double radius : {0.0, 0.7, 2.0, 100.0}) {
         std::vector<double> distances;
-        const std::vector<Index> found = NodesWithin(graph, {7, 90, 7}, radius, &distances);
+        const std::vector<Index> found = NodesWithin(graph, {7, 90, 7}, radius, Ways::Edges, &distances);
         ASSERT_GE(found.size(), 2U);
         ASSERT_EQ(found.size(), distances.size());
         std::vector<char> isIn(std::size_t(n), 0);
@@ -39,4 +39,26 @@ TEST(SurfaceReach, FindsWhatTheShortestWayReaches) {
         for (Index u = 0; u < n; ++u)
             EXPECT_EQ(bool(isIn[std::size_t(u)]), distance[std::size_t(u)] <= radius) << u;
     }
+}
+
+TEST(SurfaceReach, AcrossTrianglesItHardlyDependsOnTheMesh) {
+    // A sheet whose squares all have the same diagonal.
+    const int side = 41, middle = side / 2 * side + side / 2;
+    const SurfaceGraph sheet = BuildSurfaceGraph(Read(MeshD(Grid(side, side))).View(), nullptr, {});
+    const auto farthestOff = [&](Ways ways) {
+        std::vector<double> distances;
+        const Index from = sheet.nodeOf[std::size_t(middle)];
+        const std::vector<Index> found = NodesWithin(sheet.graph, {from}, 1, ways, &distances);
+        EXPECT_EQ(found.size(), std::size_t(side * side));
+        double most = 0;
+        for (std::size_t k = 1; k < found.size(); ++k) {
+            const double straight = (sheet.graph.position.col(found[k]) - sheet.graph.position.col(from)).norm();
+            EXPECT_GE(distances[k], 0.9999 * straight);
+            EXPECT_GE(distances[k], distances[k - 1]);
+            most = std::max(most, distances[k] / straight - 1);
+        }
+        return most;
+    };
+    EXPECT_GT(farthestOff(Ways::Edges), 0.35);
+    EXPECT_LT(farthestOff(Ways::Surface), 0.05);
 }

@@ -57,7 +57,7 @@ Graph Joined(const std::vector<Eigen::Vector3d> &place, const std::vector<Eigen:
 /// The distance of each point from one of them, along the surface; infinite in other parts.
 std::vector<double> FarFrom(Index place, const Graph &graph) {
     std::vector<double> far, of(std::size_t(graph.Size()), unreached);
-    const std::vector<Index> found = NodesWithin(graph, {place}, unreached, &far);
+    const std::vector<Index> found = NodesWithin(graph, {place}, unreached, Ways::Edges, &far);
     for (std::size_t i = 0; i < found.size(); ++i)
         of[std::size_t(found[i])] = far[i];
     return of;
@@ -148,7 +148,7 @@ std::vector<LimbEnd> EndsOfLimbs(const std::vector<Eigen::Vector3d> &place,
     for (std::size_t i = 0; i < place.size(); ++i) {
         if (std::isinf(mean[i]) || mean[i] * double(count) < standsOut * all)
             continue;
-        const std::vector<Index> beside = NodesWithin(graph, {Index(i)}, around);
+        const std::vector<Index> beside = NodesWithin(graph, {Index(i)}, around, Ways::Edges);
         if (std::all_of(beside.begin(), beside.end(),
                         [&](Index j) { return std::make_pair(mean[j], j) <= std::make_pair(mean[i], Index(i)); }))
             ends.push_back({i, place[i], mean[i]});

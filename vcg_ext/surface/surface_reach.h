@@ -8,9 +8,15 @@
 
 namespace vcg::fcd {
 
-/// The nodes within \p radius of one of \p seeds along the edges of the graph (Dijkstra 1959), nearest first; seeds are
-/// among them. \param radius units of graph.position, >= 0 \param distances out: of each of them; may be null
-std::vector<Index> NodesWithin(const Graph &graph, const std::vector<Index> &seeds, double radius,
+/// The ways that distances are measured on.
+enum class Ways {
+    Edges, ///< along edges of the graph (Dijkstra 1959): up to 1.4 times as long as on the surface, by how it is meshed
+    Surface, ///< also straight across triangles, unfolded into a plane (Novotni, Klein 2002): some hundredths longer
+};
+
+/// The nodes within \p radius of one of \p seeds, nearest first; seeds are among them.
+/// \param radius units of graph.position, >= 0 \param distances out: of each of them; may be null
+std::vector<Index> NodesWithin(const Graph &graph, const std::vector<Index> &seeds, double radius, Ways ways,
                                std::vector<double> *distances = nullptr);
 
 } // namespace vcg::fcd

@@ -30,31 +30,9 @@ Index findClusters(const SurfaceGraph &fine, double cell, const KeptNear &near, 
         fine.graph.adjacency, [](Index) { return true; }, joins, cluster, {}, "");
 }
 
-/// Joins each node with the neighbours of its neighbours, too.
-vcg::fcd::Csr withNext(const vcg::fcd::Csr &beside) {
-    vcg::fcd::Csr all;
-    std::vector<Index> joined(std::size_t(beside.Size()), -1); // with which node it was last
-    for (Index u = 0; u < beside.Size(); ++u) {
-        const auto first = std::ptrdiff_t(all.item.size());
-        joined[std::size_t(u)] = u;
-        const auto join = [&](Index v) {
-            if (std::exchange(joined[std::size_t(v)], u) != u)
-                all.item.push_back(v);
-        };
-        for (const Index v : beside[u]) {
-            join(v);
-            for (const Index w : beside[v])
-                join(w);
-        }
-        std::sort(all.item.begin() + first, all.item.end());
-        all.begin.push_back(std::uint32_t(all.item.size()));
-    }
-    return all;
-}
-
 } // namespace
 
-std::unique_ptr<SurfaceGraph> coarseOf(const SurfaceGraph &fine, Index most, bool joinsNext, const KeptNear &near) {
+std::unique_ptr<SurfaceGraph> coarseOf(const SurfaceGraph &fine, Index most, const KeptNear &near) {
     const Index n = fine.graph.Size();
     if (n <= most || !(fine.area > 0))
         return nullptr;
@@ -75,11 +53,10 @@ std::unique_ptr<SurfaceGraph> coarseOf(const SurfaceGraph &fine, Index most, boo
     }
     for (Index c = 0; c < count; ++c)
         coarse->graph.position.col(c) /= size[std::size_t(c)];
-    vcg::fcd::Csr beside =
+    coarse->graph.adjacency =
         vcg::fcd::QuotientGraph<char>(fine.graph.adjacency, cluster, count, [](Index, Index, char &) {
             return true;
         }).adjacency;
-    coarse->graph.adjacency = joinsNext ? withNext(beside) : std::move(beside);
     coarse->nodeOf = fine.nodeOf;
     for (Index &node : coarse->nodeOf)
         if (node >= 0)

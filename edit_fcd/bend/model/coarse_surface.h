@@ -16,10 +16,8 @@ struct KeptNear {
 /// A coarser surface: nodes that are connected within a cell of a grid become one, at their middle. Close parts that
 /// are not connected stay apart. Only members that BendReach reads are set.
 /// \param most about so many nodes, beside those of \p near
-/// \param joinsNext joins each node with the neighbours of its neighbours, too: otherwise paths zigzag between the
-/// middles of clusters, and are a fifth too long
 /// \return null if it would not be smaller
 std::unique_ptr<vcg::fcd::SurfaceGraph> coarseOf(const vcg::fcd::SurfaceGraph &fine, vcg::fcd::Index most,
-                                                 bool joinsNext, const KeptNear &near = {});
+                                                 const KeptNear &near = {});
 
 #endif

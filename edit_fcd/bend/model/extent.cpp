@@ -155,7 +155,7 @@ double BendReach::radiusAt(std::size_t slot, double usual) {
     return cut > 0 ? radiusOfClosing * cut : usual;
 }
 
-/// Sets shares, bends and joint.
+/// Sets shares, bends, axis and joint.
 void BendReach::findShares(BendExtent &made) const {
     const vcg::fcd::Graph &graph = surface->graph;
     enum Part : char { Stays, Around, Beyond };
@@ -175,16 +175,17 @@ void BendReach::findShares(BendExtent &made) const {
     const double radius = made.radius / surface->frame.scale, strip = (1 - coreSize) * radius;
     std::vector<float> share(part.size(), 1);
     std::vector<double> distances;
-    const std::vector<vcg::fcd::Index> near = vcg::fcd::NodesWithin(graph, edge, strip, &distances);
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero(), place = Eigen::Vector3d::Zero();
-    double area = 0;
+    const std::vector<vcg::fcd::Index> near =
+        vcg::fcd::NodesWithin(graph, edge, strip, vcg::fcd::Ways::Surface, &distances);
+    Eigen::Vector4d outer = Eigen::Vector4d::Zero(), inner = outer; // sum of area times place, and of area
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();
     for (std::size_t k = 0; k < near.size(); ++k) {
         const auto u = std::size_t(near[k]);
         if (part[u] != Around)
             continue;
         share[u] = float(distances[k] / strip);
-        sum += double(surface->nodeArea[u]) * graph.position.col(near[k]).cast<double>();
-        area += surface->nodeArea[u];
+        (share[u] < 0.5f ? outer : inner) +=
+            double(surface->nodeArea[u]) * graph.position.col(near[k]).cast<double>().homogeneous();
     }
     made.share.clear();
     for (const std::size_t i : made.around)
@@ -192,9 +193,14 @@ void BendReach::findShares(BendExtent &made) const {
     for (const std::size_t i : made.vertices)
         if (surface->nodeOf[i] >= 0)
             place += graph.position.col(surface->nodeOf[i]).cast<double>() / double(made.vertices.size());
-    if (area > 0)
-        made.bends = surface->frame.FromFrame(sum / area);
-    if (!made.beyond.empty() && area > 0 && (sum / area - place).norm() > nearestJoint * radius)
+    const Eigen::Vector4d all = outer + inner;
+    if (!(all[3] > 0))
+        return;
+    const Eigen::Vector3d middle = all.hnormalized();
+    made.bends = surface->frame.FromFrame(middle);
+    if (outer[3] > 0 && inner[3] > 0)
+        made.axis = surface->frame.FromFrame(inner.hnormalized()) - surface->frame.FromFrame(outer.hnormalized());
+    if (!made.beyond.empty() && (middle - place).norm() > nearestJoint * radius)
         made.joint = made.bends;
 }
 

@@ -207,8 +207,8 @@ void Maker::hold(BendTags &made) {
             holdGrip(made, tag, point->second.radius);
 }
 
-/// Makes a grip hold all that turns with it: its core and what lies beyond, without what other handles there bend, and
-/// without a gap around what else is held.
+/// Makes a grip hold all that turns with it: its core, and what lies beyond the strip that bends, without what other
+/// handles there bend, and without a gap around what else is held.
 void Maker::holdGrip(BendTags &made, int tag, double radius) {
     const BendExtent &own = *all.extents.at(tag);
     std::vector<char> isIn(made.size(), 0);
@@ -217,6 +217,8 @@ void Maker::holdGrip(BendTags &made, int tag, double radius) {
             isIn[i] = to;
     };
     set(own.beyond, true);
+    for (std::size_t k = 0; k < own.around.size(); ++k) // so the strip that bends is as wide on all sides of a limb
+        isIn[own.around[k]] = isIn[own.around[k]] || own.share[k] == 1;
     for (const int other : all.beyond[tag])
         if (const auto its = all.extents.find(other); its != all.extents.end()) {
             set(its->second->around, false);

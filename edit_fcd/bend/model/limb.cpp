@@ -107,14 +107,15 @@ std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double radius
     for (const std::size_t i : grip->beyond)
         if (surface->nodeOf[i] >= 0)
             isBeyond[std::size_t(surface->nodeOf[i])] = 1;
-    const std::vector<vcg::fcd::Index> fromHere = vcg::fcd::NodesWithin(graph, {own}, all);
+    const std::vector<vcg::fcd::Index> fromHere = vcg::fcd::NodesWithin(graph, {own}, all, vcg::fcd::Ways::Surface);
     const auto tip = std::find_if(fromHere.rbegin(), fromHere.rend(),
                                   [&](vcg::fcd::Index u) { return isBeyond[std::size_t(u)] != 0; });
     if (tip == fromHere.rend())
         return {};
     // A cross-section is at one distance from the tip.
     std::vector<double> distances;
-    const std::vector<vcg::fcd::Index> fromTip = vcg::fcd::NodesWithin(graph, {*tip}, all, &distances);
+    const std::vector<vcg::fcd::Index> fromTip =
+        vcg::fcd::NodesWithin(graph, {*tip}, all, vcg::fcd::Ways::Surface, &distances);
     const double bin = radius / surface->frame.scale / (2 * binsOfThickness); // the radius is two thicknesses
     std::vector<std::size_t> section(isBeyond.size(), 0);
     std::vector<float> area(1, 0);
@@ -168,7 +169,7 @@ const int roundsToJoint = 3; // then the joint is off by a tenth of the thicknes
 /// node from the end \return -1: the surface ends before
 vcg::fcd::Index BendReach::along(vcg::fcd::Index from, double ahead, const std::vector<double> &left) const {
     const vcg::fcd::Graph &graph = surface->graph;
-    const std::vector<vcg::fcd::Index> ball = vcg::fcd::NodesWithin(graph, {from}, ahead);
+    const std::vector<vcg::fcd::Index> ball = vcg::fcd::NodesWithin(graph, {from}, ahead, vcg::fcd::Ways::Surface);
     std::vector<char> isIn(left.size(), 0);
     for (const vcg::fcd::Index u : ball)
         isIn[std::size_t(u)] = 1;
@@ -194,7 +195,8 @@ std::pair<std::shared_ptr<const BendExtent>, bool> BendReach::beyond(std::size_t
     std::vector<double> left(std::size_t(surface->graph.Size()), none), distances;
     if (first < 0 || last < 0)
         return {};
-    const std::vector<vcg::fcd::Index> fromEnd = vcg::fcd::NodesWithin(surface->graph, {last}, none, &distances);
+    const std::vector<vcg::fcd::Index> fromEnd =
+        vcg::fcd::NodesWithin(surface->graph, {last}, none, vcg::fcd::Ways::Surface, &distances);
     for (std::size_t k = 0; k < fromEnd.size(); ++k)
         left[std::size_t(fromEnd[k])] = distances[k];
     const double length = scale * left[std::size_t(first)], least = radiusAt(from, usual);
@@ -216,7 +218,11 @@ std::pair<std::shared_ptr<const BendExtent>, bool> BendReach::beyond(std::size_t
             if (off.dot(way) >= way.squaredNorm())
                 break; // the handle would hold the other side
             found = made;
-            ahead -= off.dot(way.normalized());
+            // A stroke may also run around the limb: what counts is the way along it.
+            const Eigen::Vector3d towards = way.normalized(), inner = *made->bends + made->axis;
+            const Eigen::Vector3d axis = surface->frame.ToFrame(inner) - surface->frame.ToFrame(*made->bends);
+            const double advance = axis.dot(towards);
+            ahead -= advance > 0.5 * axis.norm() ? off.dot(axis) / advance : off.dot(towards);
         }
         radius *= wider;
     }

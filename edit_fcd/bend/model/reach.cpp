@@ -30,7 +30,7 @@ void BendReach::begin() {
     pending = std::async(std::launch::async, [arrays = arrays, metric = metric] {
         auto read =
             std::make_unique<vcg::fcd::SurfaceGraph>(vcg::fcd::BuildSurfaceGraph(arrays->View(), nullptr, {}, metric));
-        auto middle = coarseOf(*read, middleNodes, false);
+        auto middle = coarseOf(*read, middleNodes);
         return Surfaces{std::move(read), std::move(middle), std::make_unique<VertexFaces>(arrays)};
     });
 }
@@ -57,7 +57,7 @@ void BendReach::lookAt(std::size_t slot) {
     if (!coarse)
         detail.radius = nearPlace * (graph.position.rowwise().maxCoeff() - graph.position.rowwise().minCoeff()).norm();
     detail.middle = at;
-    auto made = coarseOf(middle ? *middle : *surface, glanceNodes, true, detail);
+    auto made = coarseOf(middle ? *middle : *surface, glanceNodes, detail);
     coarse.reset();
     if (!made) // a line, say
         return;
@@ -129,7 +129,8 @@ std::vector<vcg::fcd::Index> BendReach::nodesWithin(const std::vector<std::size_
     for (const std::size_t slot : vertices)
         if (surface->nodeOf[slot] >= 0)
             seeds.push_back(surface->nodeOf[slot]);
-    return vcg::fcd::NodesWithin(surface->graph, seeds, radius / surface->frame.scale, distances);
+    return vcg::fcd::NodesWithin(surface->graph, seeds, radius / surface->frame.scale, vcg::fcd::Ways::Surface,
+                                 distances);
 }
 
 const std::vector<std::size_t> &BendReach::of(const std::vector<std::size_t> &vertices, double radius) {
