@@ -392,7 +392,7 @@ def test_marked_regions_bent_by_mouse_equal_the_filter(window, tmp_path, in_plac
     w, points, faces, tags = bend_a_marked_tube(window, tmp_path, (MIDDLE[0] + 165, MIDDLE[1] - 150))
     w.shot("dragged")
     drags = w.traces("drag")
-    assert len(drags) > 3 and drags[-1][0] == len(points) and drags[-1][1] > 50
+    assert len(drags) > 1 and drags[-1][0] == len(points) and drags[-1][1] > 50
     w.key("ctrl+Return" if in_place else "ctrl+shift+Return")
     w.wait("ms.apply_filter")
     w.shot("applied")
@@ -674,7 +674,7 @@ def test_drag_on_the_surface_bends_and_leaving_keeps(window, tmp_path):
     w.do("mouseup", 1)
     w.shot("released")
     assert not np.array_equal(name(), saved) # it has a star
-    assert len(w.traces("drag")) > 3 and w.traces("full")
+    assert len(w.traces("drag")) > 1 and w.traces("full")
     bent = load(w.save("bent.ply"))[0] # the tool is on
     moved = np.linalg.norm(bent - points, axis=1)
     assert moved.max() > 0.1 and 0.5 < np.mean(moved == 0) < 0.98 # beyond the radius nothing moves

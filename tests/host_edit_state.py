@@ -305,7 +305,7 @@ def test_a_drag_marks_nothing(window, tmp_path, in_place):
         steps = len(w.traces("drag"))
         w.drag((X - 150, Y), (X - 150, Y + 60))
         w.shot(f"layer{layer}")
-        assert len(w.traces("drag")) > steps + 3
+        assert len(w.traces("drag")) > steps + 1
         w.key("ctrl+z")
 
 
