@@ -116,6 +116,7 @@ std::string UnitsOf(double larger) {
 
 Compensation::Compensation(const SurfaceView &nominal, const SurfaceView &scan, const NormalOf &scanNormal,
                            const CompensateParam &param, const Progress &progress) {
+    const LoopHelpers helpers;
     if (param.degree < 1 || param.degree > 7)
         throw BadInput("The degree of the warp must be from 1 to 7; 5 is the default.");
     ValidateSamples(param.samples);

@@ -188,6 +188,7 @@ SurfaceContact ContactOf(const SurfaceView &mesh, const Deformer &deformer, cons
 double PercentToContact(const SurfaceView &mesh, const Deformer &deformer,
                         const std::function<Deformer::Pose(double, const Progress &)> &solve,
                         const DeformationParam &param, const Progress &progress) {
+    const LoopHelpers helpers;
     Eigen::Matrix3Xd position;
     double done = 0; // of eight tries: the whole motion, and seven of the bisection
     const auto isFree = [&](int hundredths) {
@@ -273,6 +274,7 @@ void CarryPose(const SurfaceView &mesh, const NormalOf &normal, const Handles &h
 void PoseSurface(const SurfaceView &mesh, const NormalOf &normal, const Handles &handles, const Deformer &deformer,
                  const PoseSolver &solve, const DeformationParam &param, const Progress &progress,
                  DeformationResult &result) {
+    const LoopHelpers helpers;
     const Stopwatch watch;
     result.pose = solve(progress.Slice(0, 0.4));
     result.iterations = result.pose.iterations;

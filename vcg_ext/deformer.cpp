@@ -77,6 +77,7 @@ SurfacePose Deformer::SumOf(HeldMotions given, std::vector<RegionPose> poses) co
 
 SurfacePose Deformer::SolveRegions(HeldMotions motions, const Pose *last, const RegionSolver &solve,
                                    const Progress &progress) const {
+    const LoopHelpers helpers;
     std::vector<RegionPose> poses(regions.size());
     ForRegions(progress, "Deforming the graph", [&](std::size_t i, const Progress &part) {
         const HeldMotions own = Region(i).OwnOf(motions);

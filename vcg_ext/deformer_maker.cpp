@@ -27,6 +27,7 @@ class DeformerMaker {
     }
 
     std::unique_ptr<Deformer> Make(const std::vector<int> &tag, const Progress &progress) {
+        const LoopHelpers helpers;
         RegionSource whole;
         whole.mesh = mesh;
         whole.point = made->point;

@@ -43,6 +43,7 @@ bool IsInParts(const SurfaceView &source, const Deformer &deformer, const Progre
 Fitter::Fitter(const SurfaceView &source, const NormalOf &normal, const Handles &handles, const FitParam &param,
                const Progress &progress, const WeightOf &weight)
     : source(source), handles(handles), param(param) {
+    const LoopHelpers helpers;
     param.ValidateFit();
     if (handles.tag.empty())
         throw BadInput("There is nothing to fit: the surface has no vertices.");

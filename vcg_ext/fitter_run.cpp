@@ -304,6 +304,7 @@ FitSamples Fitter::Matched(const RegionPose &pose) const {
 
 Deformer::Pose Fitter::Solve(const FitTarget &target, const std::vector<Landmark> &landmark, FitReport &report,
                              const Progress &progress) const {
+    const LoopHelpers helpers;
     return Run(*this, target, landmark, report, progress.Slice(0, 0.05)).Solve(progress);
 }
 

@@ -65,8 +65,10 @@ std::vector<std::array<Index, 3>> FacesOf(const SurfaceView &mesh, const Surface
 ReadRegions RegionReader::ReadPart(const RegionSource &source, bool isWhole, const Progress &progress) {
     ReadRegions found;
     SurfaceGraph surface =
-        ReadFreeSurface(source.mesh, source.tag, metric, progress.Slice(0, 0.5), param.weldDistance, source.places);
+        ReadFreeSurface(source.mesh, source.tag, metric, progress.Slice(0, 0.5), param.weldDistance, source.of);
     found.reach = surface.reach;
+    if (found.reach > source.of.reach)
+        return found;
     HeldNodes held = HoldNodes(surface, source.tag, source.point, progress.Slice(0.5, 0.5));
     const double patch =
         param.bendsUnheld ? surface.area / param.graph.Patches() : std::numeric_limits<double>::infinity();
@@ -84,9 +86,10 @@ ReadRegions RegionReader::ReadPart(const RegionSource &source, bool isWhole, con
             for (std::size_t i = 0; i < tag.size(); ++i)
                 if (found.loose.partOf[i] >= 0)
                     tag[i] = source.mesh.isCloud ? 0 : noVertex; // points of a cloud are counted among those around
-            surface =
-                ReadFreeSurface(source.mesh, tag, metric, progress.Slice(0.55, 1), param.weldDistance, source.places);
+            surface = ReadFreeSurface(source.mesh, tag, metric, progress.Slice(0.55, 1), param.weldDistance, source.of);
             found.reach = std::max(found.reach, surface.reach);
+            if (found.reach > source.of.reach)
+                return found;
             held = HoldNodes(surface, tag, source.point, progress.Slice(1, 1));
         }
         found.regions.push_back(RegionOf(source, std::move(surface), std::move(held)));
@@ -127,8 +130,7 @@ void RegionReader::Divide(const RegionSource &source, const SurfaceGraph &surfac
 }
 
 /// Divides a cloud. Any point around may be a neighbour, so a region is read from all points around its free ones, as
-/// if all others were fixed. If neighbours lie farther away than these points reach, it is read again from more of
-/// them.
+/// if all others were fixed. If neighbours may lie farther away than these points reach, it is read from more of them.
 void RegionReader::DivideCloud(const RegionSource &source, const SurfaceGraph &surface, const SurfaceRegions &regions,
                                const Progress &progress, std::vector<RegionSource> &parts,
                                std::vector<ReadRegions> &within) {
@@ -147,12 +149,10 @@ void RegionReader::DivideCloud(const RegionSource &source, const SurfaceGraph &s
     ParallelTasks(progress.Slice(0.1, 1), readingStage, parts.size(), [&](std::size_t r, const Progress &progress) {
         const std::vector<std::size_t> point = std::move(parts[r].point);
         RegionSource &part = parts[r];
-        part.places = source.places.isEmpty() ? cloud.places : source.places;
-        double reach = 0;
-        int rings = source.places.isEmpty() ? 0 : std::numeric_limits<int>::max() / 2;
-        do {
-            part.slotOf = cloud.Around(free[r], detail::CloudNeighbourhood<double>::most, rings, reach);
-            rings *= 2;
+        const bool isWhole = source.of.places.isEmpty();
+        part.of = {isWhole ? cloud.places : source.of.places, isWhole ? 0 : std::numeric_limits<double>::infinity()};
+        for (bool isEnough = false; !isEnough;) {
+            part.slotOf = cloud.Around(free[r], detail::CloudNeighbourhood<double>::most, part.of.reach);
             part.arrays = SurfaceArrays(part.slotOf.size(), 0, 0, false);
             part.arrays.isCloud = true;
             part.mesh = part.arrays.View();
@@ -169,7 +169,10 @@ void RegionReader::DivideCloud(const RegionSource &source, const SurfaceGraph &s
             for (std::uint32_t &i : part.slotOf)
                 i = source.InMesh(i);
             within[r] = ReadPart(part, false, progress);
-        } while (within[r].reach > reach);
+            isEnough = within[r].reach <= part.of.reach;
+            if (!isEnough) // with more points, the reach that is found mostly gets smaller
+                part.of.reach = std::min(2 * part.of.reach, 1.25 * within[r].reach);
+        }
         part.tag = {};
     });
 }

@@ -23,7 +23,7 @@ struct ReadRegions {
     Index gaps = 0;                                  ///< as of SurfaceReport, also between regions; 0 for one region
     std::vector<std::pair<std::uint32_t, int>> heldBeside; ///< vertices that share a held node, and its tag
     Index placedNodes = 0;                                 ///< number of given nodes on the surface
-    double reach = 0;                                      ///< as of Region
+    double reach = 0; ///< as of Region; if it is more than that of the source, nothing else is set
 };
 
 /// Reads the free surface of a mesh, divides it into regions, and reads each of these again by itself, in its own

@@ -123,6 +123,7 @@ MirrorPlane BestPlane(const std::vector<MirrorPlane> &planes, const GoalIn &goal
 SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const NormalOf &normal,
                          const Eigen::Affine3d &world, const SymmetryGoal &goal, SymmetryReport &report,
                          const Progress &progress, const WeightOf &weight) {
+    const LoopHelpers helpers;
     const RegionDeformer &region = fitter.Surface().Whole();
     const Frame &frame = region.surface.frame;
     const ToWorld inWorld(frame, world);

@@ -79,6 +79,34 @@ TEST(FreeRegion, OfACloudHasTheNearestOfTheFree) {
     EXPECT_EQ(region.flag, expected);
 }
 
+TEST(FreeRegion, OfAPartOfACloudTellsHowFarPointsCount) {
+    const Shape cloud = Points(Jittered(Grid(60, 60), 0.2)); // one apart
+    const auto tagOf = [](const Eigen::Vector3d &p) { return (p - Eigen::Vector3d(30, 30, 0)).norm() < 4 ? 1 : 0; };
+    vcg::fcd::CloudPart of;
+    for (const Eigen::Vector3d &p : cloud.position)
+        of.places.extend(p);
+    const auto regionOf = [&](double around, double reach) {
+        Shape part;
+        for (const Eigen::Vector3d &p : cloud.position)
+            if ((p - Eigen::Vector3d(30, 30, 0)).norm() < 4 + around)
+                part.position.push_back(p);
+        of.reach = reach;
+        return FreeRegion(Read(MeshD(part)), TagsOf(part, tagOf), Eigen::Matrix3d::Identity(), {}, of);
+    };
+    const auto partsOf = [](const Region &region) {
+        return std::count(region.flag.begin(), region.flag.end(), (unsigned char)(Region::part));
+    };
+    const Region all = regionOf(INFINITY, INFINITY);
+    EXPECT_GT(all.reach, 7); // 193 points of a sheet are in a disc of this radius
+    EXPECT_LT(all.reach, 12);
+    const Region enough = regionOf(all.reach + 1, all.reach);
+    EXPECT_EQ(partsOf(enough), partsOf(all));
+    EXPECT_LT(enough.flag.size(), all.flag.size());
+    const Region few = regionOf(3, 3);
+    EXPECT_GT(few.reach, 3);
+    EXPECT_LT(partsOf(few), partsOf(all)) << "none is looked for";
+}
+
 TEST(FreeRegion, OfALargeCloudLooksAroundWhereverSomethingIsHeld) {
     // A held band, another one within the free region, and a few isolated held points: skipping what is far from them
     // changes nothing.

@@ -4,6 +4,7 @@
 #include "test_support.h"
 
 #include <random>
+#include <set>
 
 using namespace vcg::fcd;
 using namespace fcd_test;
@@ -115,6 +116,35 @@ TEST(CloudNeighbourhood, LooksFartherExactlyWhereItsNearestLieAlongALine) {
     }
     EXPECT_GT(along, 300);
     EXPECT_LT(along, 2700);
+}
+
+TEST(CloudNeighbourhood, OfAPointIsTheSameWhateverIsAskedBefore) {
+    // Lines far apart, lines of a sheet, a sheet, clumps: some look at 12 points, some at 48, some at 192.
+    std::mt19937 random(10);
+    Eigen::Matrix3Xf points(3, 500);
+    for (int i = 0; i < points.cols(); ++i) {
+        const float x = float(random() % 4096) / 4096, y = float(random() % 4096) / 4096;
+        const float across[] = {float(i % 3), 0.02f * std::floor(50 * y), y, 1e-4f * y + float(i % 20)};
+        points.col(i) = Eigen::Vector3f(x, across[i % 4], float(i % 4));
+    }
+    const PointTree<float> tree(points, 1);
+    using Neighbourhood = vcg::fcd::detail::CloudNeighbourhood<float>;
+    Neighbourhood inOrder(tree);
+    std::set<std::size_t> looked;
+    for (std::size_t at = 0; at < tree.Size(); ++at) {
+        const bool far = at % 4 > 1;
+        inOrder.Look(at);
+        const std::vector<Index> neighbours = inOrder.Neighbours(far);
+        looked.insert(inOrder.around.size());
+        if (at % 2 == 0)
+            continue;
+        Neighbourhood alone(tree);
+        alone.Look(at);
+        ASSERT_EQ(inOrder.around, alone.around) << at;
+        ASSERT_EQ(neighbours, alone.Neighbours(far)) << at;
+        ASSERT_EQ(inOrder.here, alone.here) << at;
+    }
+    EXPECT_EQ(looked, (std::set<std::size_t>{12, 48, 192}));
 }
 
 TEST(SortDiffering, IsAsStdSort) {

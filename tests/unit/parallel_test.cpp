@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <atomic>
 #include <gtest/gtest.h>
+#include <mutex>
 #include <set>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -74,6 +76,61 @@ TEST(ParallelFor, MayBeNested) {
         ParallelFor(3, 10, 4, [&](std::size_t first, std::size_t last) { items += int(last - first); });
     });
     EXPECT_EQ(items, 80);
+}
+
+TEST(LoopHelpers, ServeAllLoopsOfACall) {
+    std::set<std::thread::id> threads;
+    std::mutex lock;
+    const auto note = [&](std::size_t, std::size_t) {
+        const std::lock_guard<std::mutex> guard(lock);
+        threads.insert(std::this_thread::get_id());
+    };
+    const vcg::fcd::LoopHelpers helpers;
+    std::atomic<int> begun{0};
+    ParallelFor(3, 3, 1, [&](std::size_t first, std::size_t last) {
+        ++begun;
+        while (begun < 3) // until all three threads are here
+            std::this_thread::yield();
+        for (int round = 0; round < 30; ++round) {
+            const vcg::fcd::LoopHelpers others; // of no effect
+            ParallelFor(3, 5, 1, note);
+        }
+        note(first, last);
+    });
+    for (int round = 0; round < 30; ++round)
+        ParallelFor(2, 5, 1, note);
+    EXPECT_EQ(threads.size(), 3u);
+}
+
+TEST(LoopHelpers, AreNotWaitedForUnlessTheyTakePart) {
+    const vcg::fcd::LoopHelpers helpers;
+    std::atomic<bool> hasEnded{false};
+    int rounds = 0;
+    ParallelFor(2, 2, 1, [&](std::size_t first, std::size_t) {
+        if (first == 1) // the other thread, until the loops within have ended
+            while (!hasEnded)
+                std::this_thread::yield();
+        for (; first == 0 && rounds < 50; ++rounds)
+            ParallelFor(2, 2, 1, [](std::size_t, std::size_t) {});
+        hasEnded = true;
+    });
+    EXPECT_EQ(rounds, 50);
+}
+
+TEST(LoopHelpers, LeaveEachLoopItsOwnException) {
+    const vcg::fcd::LoopHelpers helpers;
+    std::atomic<int> caught{0};
+    ParallelFor(3, 12, 1, [&](std::size_t first, std::size_t) {
+        try {
+            ParallelFor(3, 20, 1, [&](std::size_t i, std::size_t) {
+                if (i == 7)
+                    throw std::out_of_range(std::to_string(first));
+            });
+        } catch (const std::out_of_range &e) {
+            caught += e.what() == std::to_string(first);
+        }
+    });
+    EXPECT_EQ(caught, 12);
 }
 
 TEST(ParallelForAdding, AddsInOrderWhatIsComputedBeforeItAndStillThere) {

@@ -98,6 +98,21 @@ TEST(SurfaceContact, IsWhatLookingAtEachPairFinds) {
     }
 }
 
+TEST(SurfaceContact, OfFansIsFoundWhateverFacesShareATip) {
+    // Two fans, and one whose tips are apart: leaves of one fan are not compared with each other, but with the others.
+    const auto shifted = [](double x) { return Moved(Fan(50), Affine3d(Eigen::Translation3d(x, 0.03, 0.11))); };
+    const Shape fans = Join(Jittered(Join(Fan(50), shifted(20)), 0.02), Unwelded(Jittered(shifted(40), 0.02, 2)));
+    const MeshD mesh(fans);
+    const Matrix3Xd rest = PositionsOf(mesh), posed = Bent(mesh, [](const Vector3d &p) {
+                                                  return p[0] > 30   ? Vector3d(p[0] - 40.5, p[1], p[2])
+                                                         : p[0] > 10 ? Vector3d(p[0] - 19.5, p[1], p[2])
+                                                                     : p;
+                                              });
+    const SurfaceContact found = ContactOf(mesh, posed);
+    EXPECT_EQ(found.face, CrossingOneByOne(fans, rest, posed));
+    EXPECT_GT(found.face.size(), 75u);
+}
+
 TEST(SurfaceContact, IsNoneAtRestOrAfterOneMotion) {
     const Affine3d motion(Eigen::Translation3d(3e3, -7, 0.1) * Eigen::AngleAxisd(1, Vector3d(1, 2, 3).normalized()));
     // Through itself at rest, coplanar, touching, degenerate, twice, torn.

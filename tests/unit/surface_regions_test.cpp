@@ -197,11 +197,13 @@ TEST(CloudParts, GiveAllThatIsInReach) {
             some.push_back(i);
     bool isPart = false;
     double reach = 0;
-    for (int rings = 0; std::isfinite(reach); rings *= 2) {
-        const std::vector<std::uint32_t> around = parts.Around(some, 20, rings, reach);
+    for (double asked = 0; std::isfinite(reach); asked = 2 * reach) {
+        reach = asked;
+        const std::vector<std::uint32_t> around = parts.Around(some, 20, reach);
         isPart |= around.size() < cloud.position.size() / 2;
         EXPECT_TRUE(std::is_sorted(around.begin(), around.end()));
-        EXPECT_GT(rings, 0);
+        EXPECT_GT(reach, 0);
+        EXPECT_GE(reach, asked);
         for (std::uint32_t i = 0; i < view.vertexSlots; ++i) {
             const bool isNear = std::any_of(some.begin(), some.end(), [&](std::uint32_t j) {
                 return (metric * (view.At(i) - view.At(j))).norm() <= reach;
@@ -220,9 +222,8 @@ TEST(CloudParts, ReachBeyondTheNeighboursAlsoOnAPlaneAndALine) {
         const Arrays arrays = Read(MeshD(Points(Grid(nx, ny)))); // one apart
         const SurfaceView view(arrays);
         const detail::CloudParts parts(view, [](std::size_t) { return true; }, Eigen::Matrix3d::Identity(), {});
-        int rings = 0;
         double reach = 0;
-        const std::vector<std::uint32_t> around = parts.Around({0, 1, 2, 3, 4, 5, 6, 7}, 8, rings, reach);
+        const std::vector<std::uint32_t> around = parts.Around({0, 1, 2, 3, 4, 5, 6, 7}, 8, reach);
         EXPECT_GT(reach, 1.5);
         EXPECT_LT(around.size(), 1000U);
     }

@@ -46,9 +46,9 @@ class NearestOthers {
         if (each > 0)
             Answer(first, last);
     }
-    /// Whether the last Ask was for this point and \p count.
+    /// Whether the last Ask was for this point and at least \p count.
     bool Knows(std::size_t at, std::size_t count) const {
-        return from <= at && at < to && each == std::min(count, points.Size() - 1);
+        return from <= at && at < to && each >= std::min(count, points.Size() - 1);
     }
     std::size_t Each() const { return each; }
     /// The Each() nearest others of a point of Ask, the nearest first.

@@ -16,6 +16,145 @@ namespace vcg::fcd {
 
 unsigned ThreadsFor(unsigned threads) { return threads ? threads : std::max(1u, std::thread::hardware_concurrency()); }
 
+namespace {
+
+/// A loop that threads share. It lives in the function that runs it.
+class Loop {
+  public:
+    Loop(std::size_t n, std::size_t grain, std::size_t threads,
+         const std::function<void(std::size_t, std::size_t)> &body)
+        : wanted(threads - 1), n(n), grain(grain), body(body) {}
+
+    bool IsLeft() const { return next < Ranges(); }
+    /// Runs ranges until none is left.
+    void Work() {
+        Attempt([&] {
+            for (std::size_t i; (i = next++) < Ranges();)
+                body(i * grain, std::min(n, (i + 1) * grain));
+        });
+    }
+    /// Keeps the first exception of what is called; then no further range begins.
+    template <class What>
+    void Attempt(const What &what) {
+        try {
+            what();
+        } catch (...) {
+            next = Ranges();
+            const std::lock_guard<std::mutex> guard(lock);
+            if (!failure)
+                failure = std::current_exception();
+        }
+    }
+    /// Call it when no other thread is in the loop.
+    void Rethrow() const {
+        if (failure)
+            std::rethrow_exception(failure);
+    }
+
+    // Under the lock of the crew:
+    std::size_t wanted;   ///< how many helpers may still come
+    std::size_t here = 0; ///< helpers at work
+
+  private:
+    std::size_t Ranges() const { return (n + grain - 1) / grain; }
+
+    const std::size_t n, grain;
+    const std::function<void(std::size_t, std::size_t)> &body;
+    std::atomic<std::size_t> next{0};
+    std::mutex lock; // of failure
+    std::exception_ptr failure;
+};
+
+} // namespace
+
+/// Threads that help with loops that are open, the innermost first.
+class LoopHelpers::Crew {
+  public:
+    /// The crew of the running thread; null: none.
+    static Crew *&Here() {
+        thread_local Crew *here = nullptr;
+        return here;
+    }
+
+    ~Crew() {
+        {
+            const std::lock_guard<std::mutex> guard(lock);
+            ends = true;
+        }
+        hasWork.notify_all();
+        for (std::thread &helper : helpers)
+            helper.join();
+    }
+
+    void Run(Loop &loop, const std::function<void()> &whileWaiting) {
+        {
+            const std::lock_guard<std::mutex> guard(lock);
+            open.push_back(&loop);
+            Start(loop.wanted);
+        }
+        hasWork.notify_all();
+        loop.Work();
+        std::unique_lock<std::mutex> guard(lock);
+        open.erase(std::find(open.begin(), open.end(), &loop)); // nobody comes any more
+        const auto areGone = [&] { return loop.here == 0; };
+        while (!areGone())
+            if (!whileWaiting) {
+                haveGone.wait(guard, areGone);
+            } else if (!haveGone.wait_for(guard, std::chrono::milliseconds(50), areGone)) {
+                guard.unlock();
+                loop.Attempt(whileWaiting);
+                guard.lock();
+            }
+    }
+
+  private:
+    void Start(std::size_t count) {
+        try {
+            while (helpers.size() < count)
+                helpers.emplace_back([this] { Help(); });
+        } catch (const std::exception &) { // no further thread: do with fewer
+        }
+    }
+
+    /// What a helper does.
+    void Help() {
+        Here() = this;
+        std::unique_lock<std::mutex> guard(lock);
+        while (!ends) {
+            const auto found = std::find_if(open.rbegin(), open.rend(),
+                                            [](const Loop *loop) { return loop->wanted > 0 && loop->IsLeft(); });
+            if (found == open.rend()) {
+                hasWork.wait(guard);
+                continue;
+            }
+            Loop &loop = **found;
+            --loop.wanted;
+            ++loop.here;
+            guard.unlock();
+            loop.Work();
+            guard.lock();
+            if (--loop.here == 0)
+                haveGone.notify_all();
+        }
+    }
+
+    std::mutex lock;
+    std::condition_variable hasWork, haveGone;
+    std::vector<std::thread> helpers;
+    std::vector<Loop *> open;
+    bool ends = false;
+};
+
+LoopHelpers::LoopHelpers() : own(Crew::Here() ? nullptr : new Crew()) {
+    if (own)
+        Crew::Here() = own.get();
+}
+
+LoopHelpers::~LoopHelpers() {
+    if (own)
+        Crew::Here() = nullptr;
+}
+
 void ParallelFor(unsigned threads, std::size_t n, std::size_t grain,
                  const std::function<void(std::size_t, std::size_t)> &body, const std::function<void()> &whileWaiting) {
     assert(grain > 0);
@@ -26,54 +165,10 @@ void ParallelFor(unsigned threads, std::size_t n, std::size_t grain,
             body(i * grain, std::min(n, (i + 1) * grain));
         return;
     }
-    std::atomic<std::size_t> next{0};
-    std::exception_ptr failure;
-    std::mutex lock; // of failure and of finished
-    std::condition_variable isFinished;
-    std::size_t finished = 0; // helpers
-    auto attempt = [&](const auto &what) {
-        try {
-            what();
-            return true;
-        } catch (...) {
-            next = ranges;
-            std::lock_guard<std::mutex> guard(lock);
-            if (!failure)
-                failure = std::current_exception();
-            return false;
-        }
-    };
-    auto work = [&] {
-        attempt([&] {
-            for (std::size_t i; (i = next++) < ranges;)
-                body(i * grain, std::min(n, (i + 1) * grain));
-        });
-    };
-    std::vector<std::thread> helpers;
-    helpers.reserve(count);
-    try {
-        for (std::size_t t = 1; t < count; ++t)
-            helpers.emplace_back([&] {
-                work();
-                std::lock_guard<std::mutex> guard(lock);
-                ++finished;
-                isFinished.notify_one();
-            });
-    } catch (const std::exception &) { // no further thread: do with fewer
-    }
-    work();
-    for (bool waits = bool(whileWaiting); waits;) {
-        {
-            std::unique_lock<std::mutex> guard(lock);
-            waits =
-                !isFinished.wait_for(guard, std::chrono::milliseconds(50), [&] { return finished == helpers.size(); });
-        }
-        waits = waits && attempt(whileWaiting);
-    }
-    for (std::thread &t : helpers)
-        t.join();
-    if (failure)
-        std::rethrow_exception(failure);
+    const LoopHelpers helpers; // if there are none
+    Loop loop(n, grain, count, body);
+    LoopHelpers::Crew::Here()->Run(loop, whileWaiting);
+    loop.Rethrow();
 }
 
 void ParallelForAdding(unsigned threads, std::size_t n, std::size_t grain,

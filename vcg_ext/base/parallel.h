@@ -19,6 +19,24 @@ void ParallelFor(unsigned threads, std::size_t n, std::size_t grain,
                  const std::function<void(std::size_t, std::size_t)> &body,
                  const std::function<void()> &whileWaiting = {});
 
+/// While one lives, the loops of the thread that made it share helper threads, and so do loops within their bodies.
+/// Helpers are started by the first loop that can use them and end with this. A loop waits only for helpers that have
+/// taken a range; without this, each loop starts helpers of its own and waits until they have ended, which takes some
+/// time slices on a busy machine. One within another does nothing. Use it as a local variable.
+class LoopHelpers {
+  public:
+    LoopHelpers();
+    ~LoopHelpers();
+    LoopHelpers(const LoopHelpers &) = delete;
+    LoopHelpers &operator=(const LoopHelpers &) = delete;
+
+  private:
+    class Crew;
+    const std::unique_ptr<Crew> own; // null within another
+    friend void ParallelFor(unsigned, std::size_t, std::size_t, const std::function<void(std::size_t, std::size_t)> &,
+                            const std::function<void()> &);
+};
+
 /// The number of threads that \p threads stands for (0 = one a core).
 unsigned ThreadsFor(unsigned threads);
 

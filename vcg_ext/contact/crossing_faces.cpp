@@ -91,7 +91,17 @@ class Leaves {
     struct Leaf {
         float low[3][wide], high[3][wide]; ///< corners of the boxes; an entry without a triangle has an empty one
         std::uint32_t face[wide];
-        std::uint32_t moves; ///< a bit for each triangle
+        std::uint32_t moves;     ///< a bit for each triangle
+        std::uint32_t corner[3]; ///< slots of corners that all triangles share; SurfaceView::none: none
+
+        /// Whether all triangles share a corner with all of \p o: then none passes through another. So in a large fan,
+        /// where all boxes meet.
+        bool IsInFanWith(const Leaf &o) const {
+            for (const std::uint32_t a : corner)
+                if (a != SurfaceView::none && (a == o.corner[0] || a == o.corner[1] || a == o.corner[2]))
+                    return true;
+            return false;
+        }
     };
 
     std::size_t Size() const { return (count + wide - 1) / wide; }
@@ -131,6 +141,13 @@ class Leaves {
                 own.face[k] = at < moving ? looked.face[at] : looked.still[at - moving];
                 own.moves |= std::uint32_t(at < moving) << k;
                 const Eigen::AlignedBox3d now = shape.BoxNow(own.face[k]);
+                const std::uint32_t corner[] = {shape.Corner(own.face[k], 0), shape.Corner(own.face[k], 1),
+                                                shape.Corner(own.face[k], 2)};
+                for (std::size_t c = 0; c < 3; ++c)
+                    if (k == 0)
+                        own.corner[c] = corner[c];
+                    else if (std::find(corner, corner + 3, own.corner[c]) == corner + 3)
+                        own.corner[c] = SurfaceView::none;
                 its = {(now.min() - origin).cast<float>(), (now.max() - origin).cast<float>()};
                 box[i].extend(its);
             }
@@ -176,7 +193,7 @@ std::vector<Crossing> FindCrossings(const TwoShapes &shape, double apart, const 
                 continue;
             tree.ForMeeting(leaves.BoxOf(i), [&](std::size_t j) {
                 const Leaves::Leaf &b = leaves[j];
-                if (j < i && b.moves != 0) // leaf j finds this pair
+                if ((j < i && b.moves != 0) || a.IsInFanWith(b)) // leaf j finds this pair
                     return;
                 for (std::size_t k = 0; k < Leaves::wide; ++k) {
                     if (!leaves.MeetsBox(a, k, j))

@@ -35,7 +35,7 @@ class CloudNeighbourhood {
     static constexpr std::size_t most = 192;
 
     explicit CloudNeighbourhood(const PointTree<Scalar> &points)
-        : points(points), others(points.Size() - 1), inBlock(points), alone(points) {}
+        : points(points), others(points.Size() - 1), inBlock(points), wideInBlock(points), alone(points) {}
 
     /// Looks around a point; sets around, isWide and isOneSided. \param place of the point, in the order of the blocks;
     /// fastest if ascending
@@ -80,8 +80,8 @@ class CloudNeighbourhood {
             before = square;
         };
         if (far) {
-            alone.Ask(at, at + 1, most);
-            std::for_each(alone.Of(at), alone.Of(at) + alone.Each(), [&](const auto &o) { step(double(o.square)); });
+            const auto *nearest = Wide(most).Of(at);
+            std::for_each(nearest, nearest + std::min(most, others), [&](const auto &o) { step(double(o.square)); });
         } else {
             for (const Other &other : ways)
                 step(other.square);
@@ -132,16 +132,9 @@ class CloudNeighbourhood {
     };
 
     void Find(std::size_t wanted) {
-        const bool isFirst = wanted <= std::size_t(cloudNeighbours);
-        NearestOthers<Scalar> &nearest = isFirst ? inBlock : alone;
-        if (!isFirst) {
-            alone.Ask(at, at + 1, wanted);
-        } else if (!inBlock.Knows(at, wanted)) {
-            const std::size_t block = points.BlockOf(at);
-            inBlock.Ask(points.Begin(block), points.Begin(block + 1), wanted);
-        }
-        around.resize(nearest.Each());
-        ways.resize(nearest.Each());
+        const NearestOthers<Scalar> &nearest = wanted > std::size_t(cloudNeighbours) ? Wide(wanted) : Close(wanted);
+        around.resize(std::min(wanted, others));
+        ways.resize(around.size());
         const typename PointTree<Scalar>::Point x = points.At(at);
         const auto *each = nearest.Of(at);
         for (std::size_t k = 0; k < ways.size(); ++k, ++each) {
@@ -149,6 +142,29 @@ class CloudNeighbourhood {
             around[k] = each->point;
             ways[k] = {way.squaredNorm(), each->point, way};
         }
+    }
+
+    const NearestOthers<Scalar> &Close(std::size_t wanted) {
+        if (!inBlock.Knows(at, wanted)) {
+            const std::size_t block = points.BlockOf(at);
+            inBlock.Ask(points.Begin(block), points.Begin(block + 1), wanted);
+        }
+        return inBlock;
+    }
+
+    /// More than cloudNeighbours. Mostly few points need them, which ask alone; but where they lie along lines, nearly
+    /// all do. So after one that needed as many, it asks for the rest of the block at once.
+    const NearestOthers<Scalar> &Wide(std::size_t wanted) {
+        const std::size_t block = points.BlockOf(at);
+        const bool follows = lastWide < at && points.BlockOf(lastWide) == block && lastWanted >= wanted;
+        const bool isKnown = wideInBlock.Knows(at, wanted);
+        if (!isKnown && follows)
+            wideInBlock.Ask(at, points.Begin(block + 1), lastWanted);
+        else if (!isKnown)
+            alone.Ask(at, at + 1, wanted);
+        lastWanted = lastWide == at ? std::max(lastWanted, wanted) : wanted;
+        lastWide = at;
+        return isKnown || follows ? wideInBlock : alone;
     }
 
     /// Whether Across() is at least leastAcross for sure. A quick test without the eigenvalues a <= b <= c: c is at
@@ -237,8 +253,10 @@ class CloudNeighbourhood {
     const PointTree<Scalar> &points;
     const std::size_t others;
     std::size_t at = 0;
-    NearestOthers<Scalar> inBlock, alone; ///< of all points of a block, and of one point
-    std::vector<Other> ways;              ///< to the points around
+    NearestOthers<Scalar> inBlock, wideInBlock, alone; ///< of all points of a block, the rest of one, and one point
+    std::size_t lastWide = PointTree<Scalar>::none;    ///< the last point of Wide
+    std::size_t lastWanted = 0;                        ///< the most that it asked for
+    std::vector<Other> ways;                           ///< to the points around
     std::vector<Index> neighbour;
     std::vector<Eigen::Vector2d> inPlane, cell, cut;
     std::vector<std::pair<double, std::size_t>> rank;

@@ -61,16 +61,16 @@ class CloudParts {
             slots[next[cell[i]]++] = std::uint32_t(i);
     }
 
-    /// The slots of all points in the cells of \p some points and in \p rings of cells around, ascending.
-    /// \param rings in, out; 0 is set to a number that is mostly enough for \p wanted points around each
-    /// \param reach out: all points within this distance of \p some are there, world units; infinity: all points are
-    std::vector<std::uint32_t> Around(const std::vector<std::uint32_t> &some, std::size_t wanted, int &rings,
-                                      double &reach) const {
+    /// The slots of the points in the cells of \p some points and in rings of cells around, ascending.
+    /// \param reach in, out; all points within this distance of \p some are there, world units; 0 is set to what is
+    /// mostly enough for \p wanted points around each, and others grow to whole cells, or to infinity if all points are
+    /// there
+    std::vector<std::uint32_t> Around(const std::vector<std::uint32_t> &some, std::size_t wanted, double &reach) const {
         Eigen::AlignedBox3i own;
         for (std::uint32_t i : some)
             own.extend(CellOf(i).matrix());
-        if (rings == 0)
-            rings = RingsFor(some, wanted);
+        const double most = double(across.maxCoeff()), cells = reach / width * (1 + 2e-9); // more than taken off below
+        const int rings = reach == 0 ? RingsFor(some, wanted) : std::max(1, int(std::ceil(std::min(cells, most))));
         const Cell low = (own.min().array() - rings).max(0), high = (own.max().array() + rings).min(across - 1);
         const Cell size = high - low + 1;
         std::vector<char> isNear(std::size_t(size.cast<double>().prod()), 0);
@@ -93,7 +93,7 @@ class CloudParts {
         return found;
     }
 
-    Eigen::AlignedBox3d places; ///< as of FreeRegion
+    Eigen::AlignedBox3d places; ///< as of CloudPart
 
   private:
     using Cell = Eigen::Array3i;

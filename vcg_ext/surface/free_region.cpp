@@ -56,9 +56,9 @@ class RegionFinder {
                 throw detail::NotFinite(i);
     }
 
-    /// Marks as reached the free points of a cloud, and the places that are looked at to find their neighbours. Points
-    /// at one position, or a hair apart, are one place. \param given metric \param placesOfAll as of FreeRegion
-    void ReachNearest(const Eigen::Matrix3d &given, const Eigen::AlignedBox3d &placesOfAll, const Progress &progress) {
+    /// Marks as reached the free points of a cloud, and the places looked at to find their neighbours. Points a hair
+    /// apart are one place. \param given metric \param of as of FreeRegion
+    void ReachNearest(const Eigen::Matrix3d &given, const CloudPart &of, const Progress &progress) {
         Frame world;
         world.SetMetric(given);
         const auto isLive = [&](std::size_t i) { return bool(Is(i, live)); };
@@ -66,7 +66,7 @@ class RegionFinder {
         const detail::VertexChunks chunks = detail::FindVertices(mesh, isLive, world, progress.Slice(0, 0));
         Eigen::AlignedBox3d ofFree = detail::FindVertices(mesh, isFree, world, progress.Slice(0, 0)).box;
         const std::size_t n = chunks.Live();
-        const bool isPart = !placesOfAll.isEmpty();
+        const bool isPart = !of.places.isEmpty();
         region.reach = isPart ? INFINITY : 0;
         if (n < 2 || ofFree.isEmpty())
             return;
@@ -74,7 +74,7 @@ class RegionFinder {
         const auto at = [&](std::size_t k) -> Eigen::Vector3d {
             return given * mesh.At(detail::SlotOf(k, chunks.begin, isLive));
         };
-        Eigen::AlignedBox3d box = isPart ? placesOfAll : detail::WithoutStrays(chunks.box, n, at);
+        Eigen::AlignedBox3d box = isPart ? of.places : detail::WithoutStrays(chunks.box, n, at);
         if (const Eigen::AlignedBox3d near = ofFree.intersection(box); !near.isEmpty())
             ofFree = near;
         const double unit = detail::TakeUnit(chunks.box, box, ofFree);
@@ -150,9 +150,10 @@ class RegionFinder {
                 has[place] = of;
             }
         });
-        ReachAround(point, has.get(), reachPlace, progress.Slice(0.1, 0.9));
         if (isPart)
-            region.reach = unit * (ReachOf(point, has.get(), progress.Slice(0.9, 1)) + 2 * cell); // a place's width
+            region.reach = unit * (ReachOf(point, has.get(), progress.Slice(0.1, 0.2)) + 2 * cell); // a place's width
+        if (region.reach <= of.reach)
+            ReachAround(point, has.get(), reachPlace, progress.Slice(0.2, 1));
     }
 
     /// Marks as reached the vertices of faces and edge elements with a free vertex.
@@ -300,8 +301,7 @@ class RegionFinder {
 
     static constexpr std::size_t grain = detail::VertexChunks::grain;
     static_assert(grain % Region::boxed == 0, "one thread a box");
-    // The state of a vertex, a byte: three flags, and its tag times few (many for this tag and all above), so that few
-    // tags have to be looked up.
+    // The state of a vertex: three flags, and its tag times few (many for this tag and all above), to look up few tags.
     static constexpr unsigned char live = 1, free = 2, reached = 4, few = 8, many = 31, all = 255;
 
     unsigned char Is(std::size_t i, unsigned char what) const {
@@ -336,12 +336,12 @@ class RegionFinder {
 } // namespace
 
 Region FreeRegion(const SurfaceView &mesh, const std::vector<int> &tag, const Eigen::Matrix3d &metric,
-                  const Progress &progress, const Eigen::AlignedBox3d &places) {
+                  const Progress &progress, const CloudPart &of) {
     assert(tag.size() == mesh.vertexSlots);
     RegionFinder finder(mesh, tag);
     finder.Classify(progress.Slice(0, 0.1));
     if (mesh.isCloud)
-        finder.ReachNearest(metric, places, progress.Slice(0.1, 0.9));
+        finder.ReachNearest(metric, of, progress.Slice(0.1, 0.9));
     else
         finder.ReachAlongElements(progress.Slice(0.1, 0.9));
     return finder.TakeRegion(progress.Slice(0.9, 1));

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace vcg::fcd {
@@ -22,19 +23,26 @@ struct Region {
     static constexpr std::size_t boxed = 1 << 12;
     std::vector<Eigen::AlignedBox3d> box; ///< of the positions of each \p boxed slots, mesh units
     /// Of a part of a cloud: points farther than this from all free points change nothing, world units. Infinity: there
-    /// are too few points to tell.
+    /// are too few points to tell. If it is more than CloudPart::reach, no part is looked for.
     double reach = 0;
+};
+
+/// What a part of a cloud was taken from.
+struct CloudPart {
+    /// The box of all the cloud's points, without strays, world units, so that points are welded as in the whole cloud.
+    /// Empty: it is the whole, or no cloud.
+    Eigen::AlignedBox3d places;
+    /// All the cloud's points within this distance of the free ones are in the part, world units.
+    double reach = std::numeric_limits<double>::infinity();
 };
 
 /// The free vertices (\p tag 1) that have a neighbour, and the held ones beside them. Vertices of tag noVertex are left
 /// out.
-/// \param metric as of Frame
-/// \param places for a part of a cloud: the box of all the cloud's points, without strays, world units, so that points
-/// are welded as in the whole cloud; empty: the box of \p mesh
+/// \param metric as of Frame \param of what \p mesh is a part of, if it is a part of a cloud
 /// \throw BadInput a coordinate is not finite
 Region FreeRegion(const SurfaceView &mesh, const std::vector<int> &tag,
                   const Eigen::Matrix3d &metric = Eigen::Matrix3d::Identity(), const Progress &progress = {},
-                  const Eigen::AlignedBox3d &places = {});
+                  const CloudPart &of = {});
 
 } // namespace vcg::fcd
 

@@ -106,9 +106,11 @@ void NumberPlaces(LooseFollowing &following) {
 } // namespace
 
 SurfaceGraph ReadFreeSurface(const SurfaceView &mesh, const std::vector<int> &tag, const Eigen::Matrix3d &metric,
-                             const Progress &progress, double weldDistance, const Eigen::AlignedBox3d &places) {
-    Region region = FreeRegion(mesh, tag, metric, progress.Slice(0, 0.2), places);
-    SurfaceGraph surface = BuildSurfaceGraph(mesh, &region, tag, metric, progress.Slice(0.2, 1), weldDistance);
+                             const Progress &progress, double weldDistance, const CloudPart &of) {
+    Region region = FreeRegion(mesh, tag, metric, progress.Slice(0, 0.2), of);
+    SurfaceGraph surface;
+    if (region.reach <= of.reach)
+        surface = BuildSurfaceGraph(mesh, &region, tag, metric, progress.Slice(0.2, 1), weldDistance);
     surface.faces = std::move(region.faces);
     surface.apart = std::move(region.apart);
     surface.reach = region.reach;

@@ -21,11 +21,12 @@ struct LooseSurface {
     bool isPartOfSurface = false; ///< some loose part has nodes in the surface
 };
 
-/// The free surface of a mesh and the held vertices beside it. \param tag, places as of FreeRegion
+/// The free surface of a mesh and the held vertices beside it; only its reach if it is more than \p of.reach.
+/// \param tag, of as of FreeRegion
 /// \throw BadInput as FreeRegion and BuildSurfaceGraph
 SurfaceGraph ReadFreeSurface(const SurfaceView &mesh, const std::vector<int> &tag, const Eigen::Matrix3d &metric,
                              const Progress &progress, double weldDistance = defaultWeldDistance,
-                             const Eigen::AlignedBox3d &places = {});
+                             const CloudPart &of = {});
 
 /// The loose parts of a surface. \param slotTag one per vertex slot, noVertex where it is not read
 /// \param point slots of point handles \param components of \p surface

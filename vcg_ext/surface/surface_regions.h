@@ -48,7 +48,7 @@ struct RegionSource {
     std::vector<std::uint32_t> faceOf; ///< of each face: its index in the whole mesh; empty: the same
     std::vector<std::size_t> point;    ///< slots of the point handles in it
     bool isOne = false;                ///< the free surface is one region, connected or not
-    Eigen::AlignedBox3d places;        ///< of a part of a cloud: as of FreeRegion
+    CloudPart of;                      ///< as of FreeRegion
 
     std::uint32_t InMesh(std::size_t slot) const { return slotOf.empty() ? std::uint32_t(slot) : slotOf[slot]; }
     /// The slot here of a slot of the whole mesh; the number of slots if it is not part of this.
