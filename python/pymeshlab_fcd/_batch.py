@@ -568,6 +568,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _go(given: argparse.Namespace, outs: Mapping[Path, Path], keys: Mapping[Path, str], table: Table | None) -> int:
     """Does the files that are left. Returns the status."""
     rows = table.rows if table else {}
+    if table:
+        _files.sweep([table.path, Path(given.out) / "mean.ply", *(each for out in outs.values() for each in _results_of(given, out))])
 
     def is_as_written(path: Path) -> bool:
         row = rows.get(table.source(path)) if table else None
