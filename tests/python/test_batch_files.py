@@ -390,7 +390,7 @@ def test_options_that_no_file_can_be_done_with_are_refused_at_once(tmp_path, cap
                              (["fit", here, here, "--weights", "label"], "have no label"),
                              (["fit", here, here, "--curves", tmp_path / "no"], "no is neither a file nor a folder"),
                              (["straighten", here, "--lines", tmp_path, "--degrees", "400"], "An arc bends by less than 360"),
-                             (["symmetrize", here, "--stiffness", "0"], "The stiffness must be a positive"),
+                             (["symmetrize", here, "--stiffness", "0"], "The stiffness must be from 1e-6"),
                              (["compensate", here, here, "--degree", "9"], "degree must be from 1 to 7; it is 9"),
                              (["compensate", tmp_path, here], f"{tmp_path} is a folder: give a file"),
                              (["apply", tmp_path / "no", here], "no: No such file or directory"),
