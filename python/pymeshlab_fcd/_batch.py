@@ -211,7 +211,7 @@ def _straighten(given: argparse.Namespace, path: Path, out: Path, threads: int) 
     line = _tables.numbers(Path(given.lines) / f"{path.stem}.csv", 3, "x, y, z")
     made = straighten(ply.vertices, ply.faces, line, normals=ply.normals, threads=threads, **_parameters(given))
     measured = made.line
-    return {"length": measured.length, "new_length": measured.new_length, "twist": measured.twist, "released": measured.released,
+    return {"length": measured.length, "new_length": measured.new_length, "is_middle": measured.is_middle, "twist": measured.twist, "released": measured.released,
             **_write(ply, made, out, _POSED, given)}
 
 
