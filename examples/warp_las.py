@@ -8,13 +8,15 @@ Needs laspy (with lazrs for LAZ) and pymeshlab_fcd. All that the points carry is
 numbers of its scale, so a point moves to the nearest of these; where they do not reach to where the points go, the file gets another offset,
 and, where the points lie too far apart for that, a coarser scale. --vectors adds extra dimensions: how far each point went, as displacement_x, _y
 and _z, and the length of that, displacement; where a tile has such already, these stay, and the new ones are displacement_2_x and so on. Each
-tile is written aside and then renamed: what stands there is whole at any time. Tiles of one name from several folders keep their folders. A tile that cannot be read or written is told at the end, and the
-others are done all the same."""
+tile is written aside and then renamed: what stands there is whole at any time; what a killed run left aside is removed. Tiles of one name from
+several folders keep their folders. TILE.copc.laz becomes TILE.laz, an ordinary LAZ file: its points move, so its octree would not hold. A tile
+that cannot be read or written is told at the end, and the others are done all the same."""
 from __future__ import annotations
 
 import contextlib
 import copy
 import os
+import re
 import sys
 import warnings
 from collections.abc import Iterable, Iterator
@@ -64,16 +66,31 @@ def targets(tiles: Iterable[str | Path], folder: str | Path) -> dict[Path, Path]
 
     Raises ValueError where a tile would be written over one that is read."""
     sources = list(dict.fromkeys(Path(tile).resolve() for tile in tiles))
-    names = {tile.name.casefold() for tile in sources}
-    if len(names) == len(sources):
-        goals = {tile: Path(folder).resolve() / tile.name for tile in sources}
-    else:
-        above = Path(os.path.commonpath([tile.parent for tile in sources]))
-        goals = {tile: Path(folder).resolve() / tile.relative_to(above) for tile in sources}
+    names = {tile: re.sub(r"\.copc\.laz$", ".laz", tile.name, flags=re.IGNORECASE) for tile in sources}
+    above = [tile.parent for tile in sources]
+    if len({name.casefold() for name in names.values()}) < len(sources):
+        above = [Path(os.path.commonpath(above))] * len(sources)
+    goals = {tile: Path(folder).resolve() / tile.parent.relative_to(top) / names[tile] for tile, top in zip(sources, above)}
+    if len({str(goal).casefold() for goal in goals.values()}) < len(sources):
+        raise ValueError("two of the tiles would be written to one file. Rename one of them")
     for tile, goal in goals.items():
         if goal in goals or (goal.exists() and any(goal.samefile(each) for each in sources if each.exists())):
             raise ValueError(f"{tile} would be written over {goal}, which is to be read. Give another folder")
     return goals
+
+
+def tidy(target: Path) -> None:
+    """Removes what runs that were killed left aside of a file."""
+    for left in target.parent.glob("*.part"):
+        run = re.fullmatch(re.escape(target.name) + r"\.(\d+)\.part", left.name)
+        if run is None or os.name != "posix":
+            continue
+        try:
+            os.kill(int(run[1]), 0)  # whether it still runs
+        except ProcessLookupError:
+            left.unlink(missing_ok=True)
+        except (OSError, OverflowError):  # of another user
+            pass
 
 
 def reaching(header: laspy.LasHeader, low: NDArray[np.float64], high: NDArray[np.float64]) -> laspy.LasHeader:
@@ -113,11 +130,15 @@ def warp_within(bend: pymeshlab_fcd.Deformation, source: str | Path, target: str
     if target.exists() and source.exists() and target.samefile(source):
         raise ValueError(f"{source} would be written over itself. Give another file")
     target.parent.mkdir(parents=True, exist_ok=True)
+    tidy(target)
     aside = target.with_name(f"{target.name}.{os.getpid()}.part")
     try:
         with laspy.open(source) as reader:
             names = [each for each in NORMALS if set(each) <= set(reader.header.point_format.dimension_names)]
             header = reader.header if reach is None else reaching(reader.header, *reach)
+            if any(each.user_id == "copc" for each in header.vlrs):  # where its octree is in the file
+                header = copy.deepcopy(header)
+                header.vlrs = [each for each in header.vlrs if each.user_id != "copc"]
             own = vector_names(header.point_format.dimension_names) if vectors else []
             if vectors:
                 header = copy.deepcopy(header)
@@ -143,8 +164,8 @@ def warp_within(bend: pymeshlab_fcd.Deformation, source: str | Path, target: str
                         for name, values in zip(own, (*way.T, np.linalg.norm(way, axis=1))):
                             points[name] = values
                     writer.write_points(points)
-                if reader.evlrs:
-                    writer.write_evlrs(reader.evlrs)
+                if others := [each for each in reader.evlrs or [] if each.user_id != "copc"]:
+                    writer.write_evlrs(laspy.vlrs.vlrlist.VLRList(others))
             count = int(reader.header.point_count)
         with open(aside, "rb+") as file:
             os.fsync(file.fileno())

@@ -266,7 +266,13 @@ void LayerState::resize(std::size_t n) {
         forColumns(*this, [](auto &values) { values.clear(); });
     forPairs(*this, [&](std::size_t slot) { return isCleared || slot >= n ? none : slot; });
     isCleared = false;
-    forColumns(*this, [n](auto &values) { values.resize(n); });
+    forColumns(*this, [n](auto &values) {
+        const std::size_t before = values.size();
+        values.resize(n);
+        for (std::size_t i = before; i < n; ++i) // a point has no value of its own
+            if constexpr (std::is_same<decltype(values[i]), Point3m &>::value)
+                values[i].SetZero();
+    });
 }
 
 void LayerState::reorder(const std::vector<std::size_t> &newSlots) {

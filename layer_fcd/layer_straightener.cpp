@@ -104,8 +104,9 @@ StraightenedLayers straightenLayer(MeshDocument &document, MeshModel &layer, con
 std::string describe(const StraightenedLayers &made) {
     const vcg::fcd::StraightenReport &report = made.report;
     std::ostringstream line;
-    line << "The line is " << report.length << " long, and " << report.newLength << " now; " << report.following
-         << " of " << report.following + report.released << " nodes go with it. The surface is off from where its "
+    line << "The line " << (report.isMiddle ? "through the middles of the cross-sections " : "") << "is "
+         << report.length << " long, and " << report.newLength << " now; " << report.following << " of "
+         << report.following + report.released << " nodes go with it. The surface is off from where its "
          << "cross-sections go by " << report.rms << " (rms), and nowhere by more than " << report.largest << ".";
     if (report.jitter > 0)
         line << " The points of the line jitter by " << report.jitter << " (rms), which was taken out.";
@@ -116,38 +117,10 @@ std::string describe(const StraightenedLayers &made) {
 }
 
 std::vector<std::string> warningsOf(const StraightenedLayers &made) {
-    const vcg::fcd::StraightenReport &report = made.report;
-    std::vector<std::string> warnings;
-    const std::string remedy =
-        report.isMiddle ? "raise line_smoothing." : "lay the line through the middle, or raise line_smoothing.";
-    if (report.leftMiddle)
-        warnings.emplace_back("The line stays as given: through the middles of the cross-sections it would stretch the "
-                              "surface more.");
-    if (report.released > 0) {
-        std::ostringstream line;
-        line << "Beside the line at ";
-        for (std::size_t i = 0; i < report.releasedAt.size() && i < 5; ++i) {
-            const auto &[from, to] = report.releasedAt[i];
-            line << (i > 0 ? ", " : "") << from;
-            if (to - from > 1e-3 * report.length) // not a patch of about one vertex
-                line << " to " << to;
-        }
-        line << (report.releasedAt.size() > 5 ? ", and elsewhere" : "")
-             << " of its length, the surface follows its surroundings as rigidly as possible: cross-sections that move "
-                "with the line would fold it, or make it twice or half as long. If that is not meant, "
-             << remedy;
-        warnings.push_back(line.str());
-    }
-    if (report.isBeside) {
-        std::ostringstream line;
-        line << "The line lies to one side of the surface, which gets longer or shorter along it by "
-             << 100 * report.lengthening
-             << " % (rms). If the line was picked on the surface, tick 'Through the middle' (middle).";
-        warnings.push_back(line.str());
-    }
+    std::vector<std::string> warnings = made.report.Warnings();
     if (made.result.check.flipped > 0)
         warnings.push_back(trianglesFlipped(std::size_t(made.result.check.flipped)) +
-                           ": the surface is folded there. Remedy: " + remedy);
+                           ": the surface is folded there. " + made.report.Remedy());
     if (!made.result.converged)
         warnings.emplace_back("The surface did not converge away from the line.");
     return warnings;

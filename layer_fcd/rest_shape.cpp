@@ -145,14 +145,11 @@ void RestShape::backTo(std::size_t place) {
 }
 
 bool RestShape::isAtHome(std::size_t slot) {
-    PosedVertex &known = state.vertex[slot];
     const Point3m &p = mesh.vert[slot].cP();
     const std::uint64_t here = placeOf(p);
-    if (here == known.before)
-        return true;
-    if (!known.isKnown() || (!known.isAt(p) && p != state.position[slot]))
+    if (!isAtHome(state, slot, p, here))
         return false;
-    known.before = here;
+    state.vertex[slot].before = here;
     return true;
 }
 

@@ -78,6 +78,11 @@ class RestShape {
 
     /// A number for a position; not 0.
     static std::uint64_t placeOf(const Point3m &position);
+    /// Whether a vertex at \p p is where it was put. \param here placeOf(p)
+    static bool isAtHome(const RestState &state, std::size_t slot, const Point3m &p, std::uint64_t here) {
+        const PosedVertex &known = state.vertex[slot];
+        return here == known.before || (known.isKnown() && (known.isAt(p) || p == state.position[slot]));
+    }
 
   private:
     std::uint64_t countStrangers(); ///< number of vertices that are not at home

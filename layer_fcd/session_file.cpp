@@ -7,6 +7,7 @@
 #include "rest_shape.h"
 #include "save_files.h"
 #include "session_file.h"
+#include "session_shapes.h"
 #include "session_tools.h"
 #include "weight_sources.h"
 
@@ -26,96 +27,6 @@ namespace {
 
 const char *const formatName = "FCD session";
 const int version = 2;
-
-QCborMap mapOf(const KeptScan &scan, const LiveVertices &live) {
-    const CMeshO &mesh = live.mesh;
-    const auto vertexOf = [&](std::size_t i) {
-        return scan.number[i] ? scan.vertices[scan.number[i] - 1]
-                              : TaggedVertex{Point3m(), 0, TaggedVertex::noTag, false};
-    };
-    const auto copy = [](const vcg::Color4b &color, std::uint8_t *to) { std::copy_n(&color[0], 4, to); };
-    QCborMap map{{QString("color"), scan.color},
-                 {QString("quality"), scan.quality},
-                 {QString("had_color"), scan.hadColor},
-                 {QString("had_quality"), scan.hadQuality},
-                 {QString("counted_quality"), scan.countedQuality},
-                 {QString("low_tag"), scan.lowTag},
-                 {QString("high_tag"), scan.highTag},
-                 {QString("has_color"),
-                  live.array<std::uint8_t>(1, [&](std::size_t i, auto *to) { *to = vertexOf(i).hasColor; })},
-                 {QString("tag"), live.array<std::int32_t>(1, [&](std::size_t i, auto *to) { *to = vertexOf(i).tag; })},
-                 {QString("tag_color"),
-                  live.array<std::uint32_t>(1, [&](std::size_t i, auto *to) { *to = vertexOf(i).tagColor; })},
-                 {QString("shown_color"),
-                  live.array<std::uint8_t>(4, [&](std::size_t i, auto *to) { copy(mesh.vert[i].cC(), to); })},
-                 {QString("shown_quality"),
-                  live.array<double>(1, [&](std::size_t i, auto *to) { *to = double(mesh.vert[i].cQ()); })}};
-    if (scan.color)
-        map.insert(QString("colors"), live.array<std::uint8_t>(4, [&](std::size_t i, auto *to) {
-            copy(scan.number[i] ? scan.colors[scan.number[i] - 1] : mesh.vert[i].cC(), to);
-        }));
-    if (scan.quality)
-        map.insert(QString("qualities"), live.array<double>(1, [&](std::size_t i, auto *to) {
-            *to = double(scan.number[i] ? scan.qualities[scan.number[i] - 1] : mesh.vert[i].cQ());
-        }));
-    for (const auto &[name, color] :
-         {std::make_pair("low_color", scan.lowColor), std::make_pair("high_color", scan.highColor)})
-        map.insert(QString(name), arrayOf(std::vector<std::uint8_t>(&color[0], &color[0] + 4)));
-    return map;
-}
-
-/// Reads it, for the vertices of a layer. \param shown the layer's shape when it was saved
-KeptScan scanOf(const Reader &from, const LiveVertices &live, const Shape &shown) {
-    const CMeshO &mesh = live.mesh;
-    KeptScan scan;
-    scan.color = from.flag("color");
-    scan.quality = from.flag("quality");
-    scan.hadColor = from.flag("had_color");
-    scan.hadQuality = from.flag("had_quality");
-    scan.countedQuality = from.flag("counted_quality");
-    scan.lowTag = from.number("low_tag");
-    scan.highTag = from.number("high_tag");
-    for (const auto &[name, color] :
-         {std::make_pair("low_color", &scan.lowColor), std::make_pair("high_color", &scan.highColor)}) {
-        const auto values = from.array<std::uint8_t>(name, 4, 1);
-        *color = vcg::Color4b(values[0], values[1], values[2], values[3]);
-    }
-    const auto ofColor = from.array<std::uint8_t>("has_color", 1);
-    const auto tag = from.array<std::int32_t>("tag", 1);
-    const auto tagColor = from.array<std::uint32_t>("tag_color", 1);
-    scan.number.assign(mesh.vert.size(), 0);
-    scan.vertices.resize(std::size_t(mesh.vn));
-    live.read(ofColor, 1, [&](std::size_t i, const std::uint8_t *value) {
-        const auto j = std::size_t(value - ofColor.data());
-        scan.number[i] = std::uint32_t(j + 1);
-        scan.vertices[j] = {shown.position[i], tagColor[j], tag[j], ofColor[j] != 0};
-    });
-    if (scan.color) {
-        const auto values = from.array<std::uint8_t>("colors", 4);
-        for (std::size_t j = 0; j < scan.vertices.size(); ++j)
-            scan.colors.emplace_back(values[4 * j], values[4 * j + 1], values[4 * j + 2], values[4 * j + 3]);
-    }
-    if (scan.quality)
-        for (const double value : from.array<double>("qualities", 1))
-            scan.qualities.push_back(CVertexO::QualityType(value));
-    scan.faces = facesOf(mesh);
-    scan.vertexSlots = mesh.vert.size();
-    scan.matrix = mesh.Tr;
-    return scan;
-}
-
-Shape shapeOf(const Reader &from, const LiveVertices &live) {
-    Shape shape;
-    const auto read = [&](const char *key, std::vector<Point3m> &points) {
-        points.resize(live.mesh.vert.size());
-        live.read(from.array<double>(key, 3), 3, [&](std::size_t i, const double *p) {
-            points[i] = Point3m(Scalarm(p[0]), Scalarm(p[1]), Scalarm(p[2]));
-        });
-    };
-    read("position", shape.position);
-    read("normal", shape.normal);
-    return shape;
-}
 
 /// The largest distance of a layer's vertices from a shape.
 double distanceFrom(const CMeshO &mesh, const Shape &shape) {
@@ -155,6 +66,10 @@ SessionContents saveSession(const MeshModel &layer, const QString &file) {
     if (state.marks.empty() && !state.scan && !state.rest && !state.poses && !state.fit && !tool)
         throw Error("Nothing is known of the layer " + inQuotes(layer) +
                     " that a session would keep. Tag, mark, pose or fit it first.");
+    for (const CVertexO &vertex : mesh.vert)
+        if (!vertex.IsD() && !toVector(vertex.cP()).allFinite())
+            throw Error("The layer " + inQuotes(layer) +
+                        " has a vertex with a coordinate that is no number. Delete it, and save the session again.");
     const LiveVertices live(mesh);
     QCborMap map{{QString("vertices"), mesh.vn},
                  {QString("faces"), mesh.fn},
@@ -166,15 +81,8 @@ SessionContents saveSession(const MeshModel &layer, const QString &file) {
                    live.array<std::int32_t>(1, [&](std::size_t i, auto *to) { *to = state.marks[i] + 1; }));
     if (state.scan)
         map.insert(QString("scan"), mapOf(*state.scan, live));
-    if (state.rest) {
-        QCborMap rest = live.shape(*state.rest);
-        rest.insert(QString("own_normals"), state.rest->ownNormals);
-        QCborArray earlier;
-        for (const Shape &shape : state.rest->earlier)
-            earlier.append(live.shape(shape));
-        rest.insert(QString("earlier"), earlier);
-        map.insert(QString("rest"), rest);
-    }
+    if (state.rest)
+        map.insert(QString("rest"), mapOf(*state.rest, live));
     if (state.poses)
         map.insert(QString("poses"), QString::fromStdString(PoseSequenceText(*state.poses)));
     if (tool)
@@ -200,7 +108,7 @@ SessionContents saveSession(const MeshModel &layer, const QString &file) {
 SessionContents loadSession(const MeshDocument &document, MeshModel &layer, const QString &file) {
     CMeshO &mesh = layer.cm;
     const std::string name = inQuotes(file);
-    const std::size_t each = 12 * sizeof(double) + 48, shapes = RestShape::mostEarlier * 6 * sizeof(double);
+    const std::size_t each = 15 * sizeof(double) + 49, shapes = RestShape::mostEarlier * 6 * sizeof(double);
     const std::string all = vcg::fcd::ReadFile(pathOf(file),
                                                100000000 + (each + shapes) * std::size_t(mesh.vn)); // poses are text
     const QCborMap outer = QCborValue::fromCbor(QByteArray::fromStdString(all)).toMap();
@@ -229,6 +137,7 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
                     ", or in another order. Open the file of that layer, and load the session for it.");
 
     LayerState next;
+    std::vector<char> isAtHome;
     const Shape shown = shapeOf(from, live);
     if (from.has("marks")) {
         next.marks.assign(mesh.vert.size(), 0);
@@ -236,20 +145,8 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
             next.marks[i] = std::max(*tag, std::numeric_limits<int>::lowest() + 1) - 1;
         });
     }
-    if (from.has("rest")) {
-        const Reader rest = from.in("rest");
-        RestState &read = next.rest.emplace();
-        static_cast<Shape &>(read) = shapeOf(rest, live);
-        read.ownNormals = rest.flag("own_normals");
-        const QCborArray earlier = rest.list("earlier");
-        if (std::size_t(earlier.size()) > RestShape::mostEarlier)
-            rest.fail("earlier has too many shapes");
-        for (const auto shape : earlier)
-            read.earlier.push_back(shapeOf(rest.in(QCborValue(shape), "earlier"), live));
-        read.vertex.resize(mesh.vert.size());
-        read.faces = facesOf(mesh);
-        read.vertexSlots = mesh.vert.size();
-    }
+    if (from.has("rest"))
+        next.rest = restOf(from.in("rest"), live, isAtHome);
     if (from.has("scan"))
         next.scan = scanOf(from.in("scan"), live, shown);
     if (from.has("poses"))
@@ -300,8 +197,8 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
     }
     if (next.rest)
         forVertices(mesh, [&](std::size_t i) {
-            const Point3m &p = mesh.vert[i].cP();
-            next.rest->vertex[i] = {{p[0], p[1], p[2]}, RestShape::placeOf(p)};
+            if (isAtHome[i])
+                next.rest->vertex[i] = placed(mesh.vert[i].cP());
         });
     if (scan && scan->color) {
         const bool hasColor = layer.hasDataMask(MeshModel::MM_VERTCOLOR); // many formats have none

@@ -18,7 +18,9 @@
 ///       "corners"            XXH3 of the live faces' corners, three vertices each, as unsigned 32 bits
 ///       "position", "normal" of the layer, 3 a vertex
 ///       "marks"              tags; this and the following only if there are any
-///       "rest"               {"own_normals", "position", "normal", "earlier": [{"position", "normal"}, ...]}
+///       "rest"               {"own_normals", "position", "normal", "earlier": [{"position", "normal"}, ...]}; if
+///                            something else has moved or made vertices since the last pose, also "whereabouts": 0 for
+///                            a new vertex, 1 where the pose put it, 2 elsewhere; and "posed": where the pose put it
 ///       "scan"               {"shown_color", "shown_quality": of the layer now; "colors", "qualities": before it was
 ///                            tagged, if "color", "quality" say so; "has_color": whether a vertex has the colour of
 ///                            its tag; "tag": the tag that its quality is, or the least int; and the other fields of

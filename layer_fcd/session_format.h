@@ -51,12 +51,13 @@ class LiveVertices {
         return arrayOf(std::move(values));
     }
 
+    /// A normal that is not finite is saved as 0.
     template <class Points>
     QCborValue points(const Points &pointOf) const {
         return array<double>(3, [&](std::size_t i, double *values) {
             const Point3m &p = pointOf(i);
             for (int k = 0; k < 3; ++k)
-                values[k] = double(p[k]);
+                values[k] = std::isfinite(double(p[k])) ? double(p[k]) : 0;
         });
     }
 

@@ -4,6 +4,7 @@
 #include <vcg_ext/straighten.h>
 
 #include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
@@ -46,6 +47,7 @@ nb::tuple straighten(const std::shared_ptr<Prepared> &prepared, const nb::dict &
     all["length"] = found.length;
     all["new_length"] = found.newLength;
     all["jitter"] = found.jitter;
+    all["is_middle"] = found.isMiddle;
     all["left_middle"] = found.leftMiddle;
     all["lengthening"] = found.lengthening;
     all["is_beside"] = found.isBeside;
@@ -55,5 +57,6 @@ nb::tuple straighten(const std::shared_ptr<Prepared> &prepared, const nb::dict &
     all["released_at"] = nb::cast(found.releasedAt);
     all["rms"] = found.rms;
     all["largest"] = found.largest;
-    return nb::make_tuple(std::make_unique<Posed>(prepared, std::move(pose), watch.Seconds()), all);
+    return nb::make_tuple(std::make_unique<Posed>(prepared, std::move(pose), watch.Seconds()), all, found.Warnings(),
+                          found.Remedy());
 }

@@ -526,7 +526,7 @@ def test_a_start_that_cannot_be():
 
 @pytest.mark.parametrize("name, value, word", [
     ("target_layer", 1, "'target_layer' is 'tube' itself, the current layer"), ("target_layer", 77, "'target_layer' names no layer"),
-    ("stiffness", 0.0, "The stiffness must be a positive"), ("largest_distance", -1.0, "largest distance of matches must be positive"),
+    ("stiffness", 0.0, "The stiffness must be from 1e-6"), ("largest_distance", -1.0, "largest distance of matches must be positive"),
     ("largest_distance", 1e-9, "has a counterpart on 'target'"), ("largest_angle", 200.0, "largest angle of matches"),
     ("weights", 2, "The weights of the surface are 0 wherever it is free"), ("target_weights", 3, "with a weight from 0 to 1 per vertex"),
     ("landmark_tolerance", -1.0, "The tolerance of the landmarks"), ("fit_steps", 1, "A fit takes 2 to 10000 steps"), ("samples", 5, "At least 100 places"), ("samples", 2**31 - 1, "at most 1000000"),

@@ -64,6 +64,47 @@ def test_a_session_goes_on_in_another_run(tmp_path, at_rest):
     assert all(same_points(a, b) for a, b in zip(look(again), own))
 
 
+@pytest.mark.parametrize("change, back, forced", [
+    ("apply_coord_laplacian_smoothing", "were moved or made by something else", True), ("meshing_surface_subdivision_midpoint", "were moved or made by something else", False),
+    ("meshing_surface_subdivision_butterfly", "were moved or made by something else", False), ("compute_matrix_from_translation_rotation_scale", None, True)])
+def test_a_session_knows_what_something_else_has_changed_since_the_pose(tmp_path, change, back, forced):
+    """Reset does after loading what it does before: it never moves a vertex that it has no place for."""
+    ms, _, shapes = posed()
+    before = ms.current_mesh().vertex_number()
+    ms.apply_filter(change, **(dict(rotationz=30.0, translationx=2.0, freeze=True) if "matrix" in change else {}))
+    changed = ms.current_mesh().vertex_matrix()
+    ms.apply_filter(SAVE, session_file=str(tmp_path / "s.fcd"))
+    again = reopened(ms, tmp_path)
+    again.apply_filter(LOAD, session_file=str(tmp_path / "s.fcd"))
+    for layers in again, ms:
+        if back:
+            with pytest.raises(pymeshlab.PyMeshLabException, match=back):
+                layers.apply_filter(RESET)
+            assert same_points(layers.current_mesh().vertex_matrix(), changed)
+        if forced:
+            layers.apply_filter(RESET, to=2)
+        else:
+            with pytest.raises(pymeshlab.PyMeshLabException, match=back):
+                layers.apply_filter(RESET, to=2)
+    found, expected = again.current_mesh().vertex_matrix(), ms.current_mesh().vertex_matrix()
+    assert len(found) == before or not forced
+    assert same_points(found, expected) or (back is None and np.abs(found - expected).max() < 1e-12 and not same_points(found, changed))
+    assert not forced or back is None or same_points(found, shapes[1])
+
+
+def test_normals_that_are_no_numbers_hinder_no_session(tmp_path):
+    ms, _, shapes = posed()
+    ms.apply_filter("compute_normal_by_function_per_vertex", x="0/0")
+    ms.apply_filter(SAVE, session_file=str(tmp_path / "s.fcd"))
+    again = reopened(ms, tmp_path)
+    again.apply_filter(LOAD, session_file=str(tmp_path / "s.fcd"))
+    again.apply_filter(RESET)
+    assert same_points(again.current_mesh().vertex_matrix(), shapes[1])
+    ms.apply_filter("compute_coord_by_function", x="vi < 1 ? 0/0 : x")
+    refused(ms, "has a vertex with a coordinate that is no number", name=SAVE, session_file=str(tmp_path / "t.fcd"))
+    assert not (tmp_path / "t.fcd").exists()
+
+
 def test_a_session_brings_tags_to_the_scan_itself(tmp_path):
     """The layer is opened as it was before it was tagged; what was painted since stays."""
     ms = coloured()
@@ -142,10 +183,10 @@ def test_poses_with_names_go_along(tmp_path):
     assert same_points(again.current_mesh().vertex_matrix(), list(ms)[-1].vertex_matrix())
 
 
-def refused(ms, word, **parameters):
+def refused(ms, word, name=LOAD, **parameters):
     before = snapshot(ms.current_mesh())
     with pytest.raises(pymeshlab.PyMeshLabException, match=word):
-        ms.apply_filter(LOAD, **parameters)
+        ms.apply_filter(name, **parameters)
     assert_unchanged(before, ms.current_mesh())
 
 

@@ -115,6 +115,7 @@ def test_a_line_to_one_side_is_warned_of(capfd, tmp_path, off, middle, is_beside
     picked = line_file(tmp_path / "l.csv", bent(axis(off=off)))  # only the first number is across the bend
     result, log = straighten_logged(layers(bent(tube()[0])), capfd, line_file=picked, middle=middle)
     assert ("The line lies to one side of the surface" in log) == is_beside
+    assert ("The line through the middles of the cross-sections is" in log) == middle
     assert result["lengthening"] > 0.1 if is_beside else result["lengthening"] < 0.01
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 FLOORS = ["shape_constants.h", "base", "warp", "line", "handles", "surface", "contact", "patches", "graph", "solve", "map", "field", "region_deformer.h", "deformer.h", "fit", "fit.h", "straighten", "straighten.h", "symmetry", "symmetrize.h", "compensate.h", "sequence",
           "centroidal_deformation.h"]
-SOURCES = {"deformer.cpp": "deformer.h", "region_deformer.cpp": "region_deformer.h", "deformer_graph.cpp": "region_deformer.h", "region_reader.h": "region_deformer.h", "region_reader.cpp": "region_deformer.h", "deformer_maker.cpp": "deformer.h", "deform_surface.cpp": "deformer.h", "fitter.cpp": "fit.h", "fitter_curves.cpp": "fit.h", "fitter_landmarks.cpp": "fit.h", "fitter_param.cpp": "fit.h", "fitter_report.cpp": "fit.h", "fitter_run.h": "fit.h", "fitter_run.cpp": "fit.h", "fitter_settle.cpp": "fit.h", "straightener.cpp": "straighten.h", "symmetrizer.cpp": "symmetrize.h", "compensator.cpp": "compensate.h"}  # of a door, at its floor
+SOURCES = {"deformer.cpp": "deformer.h", "region_deformer.cpp": "region_deformer.h", "deformer_graph.cpp": "region_deformer.h", "region_reader.h": "region_deformer.h", "region_reader.cpp": "region_deformer.h", "deformer_maker.cpp": "deformer.h", "deform_surface.cpp": "deformer.h", "fitter.cpp": "fit.h", "fitter_curves.cpp": "fit.h", "fitter_landmarks.cpp": "fit.h", "fitter_param.cpp": "fit.h", "fitter_report.cpp": "fit.h", "fitter_run.h": "fit.h", "fitter_run.cpp": "fit.h", "fitter_settle.cpp": "fit.h", "straightener.cpp": "straighten.h", "straightener_report.cpp": "straighten.h", "symmetrizer.cpp": "symmetrize.h", "compensator.cpp": "compensate.h"}  # of a door, at its floor
 VCG = {"centroidal_deformation.h": "reads VCG meshes"}
 # Of a tool, what the window's loop calls is guarded: by LayerTool's when(), later() and every().
 # The rooms of edit_fcd: what each may include of the others, but for its own. What is a folder's alone is defined in it.
@@ -36,7 +36,7 @@ PLUGIN_FLOORS = {
         "meshlab_host edit_host filter_host parameters affine_map angle_normals bend_state bend_text contrasting_colors interrupt layer_labels layer_matrix mesh_copy"
         " layer_normals picked_points save_files weight_sources",
         "layer_state prepared_layers kept_deformation kept_graph kept_scan inherited kept_tool marks session_format layer_contents rest_shape kept_aside"
-        " results session_tools session_file",  # the state of a layer, which the document keeps
+        " results session_tools session_shapes session_file",  # the state of a layer, which the document keeps
         "line_sources line_surface motion_sources point_sources tag_sources",
         "new_layers pose_in_place saved_deformation tagging deformed_copies graph_layer layer_fitter layer_straightener layer_symmetrizer layer_compensator"
         " layer_deformer layer_sequence carrying_surface layer_look",

@@ -48,8 +48,8 @@ class Compensation {
     Compensation() = default; ///< the identity
     /// Finds the warp. \pre the scan lies about where the nominal part does
     /// \param nominal triangles \param scan triangles or points \param scanNormal of points; may be empty
-    /// \throw BadInput a nominal surface without area, a scan without vertices, nothing matched, a parameter out of
-    /// range \throw Cancelled
+    /// \throw BadInput a nominal surface without area, a scan of few points or on one line, nothing matched, a
+    /// parameter out of range \throw Cancelled
     Compensation(const SurfaceView &nominal, const SurfaceView &scan, const NormalOf &scanNormal,
                  const CompensateParam &param, const Progress &progress = {});
 

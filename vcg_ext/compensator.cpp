@@ -102,6 +102,20 @@ constexpr double otherUnits = 2.2, mostInOtherUnits = 0.6;
 // their length, which is a bending of 8 hundredths.
 constexpr double typicalStrain = 0.01, typicalBending = 0.1;
 
+// So many samples, or points of a scan, are the fewest that tell something.
+constexpr std::size_t leastMatched = 10;
+
+/// How far the points of a cloud are apart, if they are all over a surface of this area.
+double SpacingOf(const SurfaceView &cloud, double area) {
+    std::size_t points = 0;
+    for (std::size_t i = 0; i < cloud.vertexSlots; ++i)
+        points += !cloud.IsDeleted(i) && cloud.At(i).allFinite();
+    if (points < leastMatched)
+        throw BadInput("The scan has " + std::to_string(points) +
+                       " points, too few to tell a warp. Give points all over the part, thousands of them.");
+    return std::sqrt(area / double(points));
+}
+
 /// A sentence about units, for messages; empty if the sizes tell nothing.
 std::string UnitsOf(double larger) {
     if (!(larger > 0) || (larger < otherUnits && larger > 1 / otherUnits))
@@ -136,7 +150,11 @@ Compensation::Compensation(const SurfaceView &nominal, const SurfaceView &scan, 
     const double area = SampleEvenly(nominal, param.samples, middle, scale, goal, volume);
     const Eigen::Affine3d toFrame = Eigen::Scaling(1 / scale) * Eigen::Translation3d(-middle);
     const FitTarget target(scan, scanNormal, toFrame, progress.Slice(0, 0.1), {}, {}, "scan");
-    const double spacing = scan.isCloud ? std::sqrt(area / double(scan.vertexSlots)) : 0;
+    if (target.Spans().IsLine())
+        throw BadInput(
+            "All of the scan lies at one point or on one line, so it tells no warp. Scan the whole surface of "
+            "the part.");
+    const double spacing = scan.isCloud ? SpacingOf(scan, area) : 0;
     report.spacing = spacing * scale;
     report.larger = target.Box().diagonal().norm();
     report.thickness = scanNormal ? std::numeric_limits<double>::infinity() : 2 * std::abs(volume) / area * scale;
@@ -166,7 +184,7 @@ Compensation::Compensation(const SurfaceView &nominal, const SurfaceView &scan, 
         const Eigen::Vector3d rigid = placed * goal.place[s];
         before.push_back((surface.Match(rigid).point - rigid).norm());
     }
-    if (left.size() < 10)
+    if (left.size() < leastMatched)
         throw BadInput("Nothing of the nominal part has a counterpart on the scan. Align them rigidly first, or raise "
                        "largest_distance." +
                        UnitsOf(report.larger));

@@ -71,7 +71,7 @@ enum class FitStart {
 struct FitParam : DeformationParam {
     FitParam();
 
-    double stiffness = 1; ///< > 0: at the end, against following the data; 1 is the default, 10 is stiff
+    double stiffness = 1; ///< 1e-6 to 1e6: at the end, against following the data; 1 is the default, 10 is stiff
     /// [0, 1]: the share of the stiffness against stretching. At 1, the surface deforms as rigidly as possible. At 0,
     /// each node's map is affine, and only differences between neighbours' maps cost, as with a thin-plate spline: one
     /// stretch, shear or scale of all is free.

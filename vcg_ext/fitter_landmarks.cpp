@@ -22,9 +22,8 @@ namespace vcg::fcd {
 
 namespace {
 
-// Extent across a line or a plane, over that along it: below noShape it is rounding; above someShape, a shape is not as
-// flat as a sheet of paper.
-constexpr double noShape = 1e-6, someShape = 1e-3;
+// Extent across a plane, over that along it, above which a shape is not as flat as a sheet of paper.
+constexpr double someShape = 1e-3;
 // Distance between the boxes, over the diagonal, from which hardly any point has its counterpart nearest.
 constexpr double afar = 0.5;
 // A target that is otherUnits times as large, and farther than astray (of the diagonal) from most of the surface, has
@@ -80,7 +79,7 @@ std::shared_ptr<const FitTarget> Fitter::Prepare(const FitGoal &goal, const Prog
     }
     auto target = std::make_shared<FitTarget>(goal.surface, goal.normal, ToFrame(goal.world), progress, goal.isRead,
                                               goal.weight, goal.name);
-    if (!(target->Spans().acrossLine > noShape))
+    if (target->Spans().IsLine())
         throw BadInput("All of the " + std::string(goal.name) +
                        " lies at one point or on one line, so it is no surface. Choose a surface, or points all over "
                        "one; where points are meant one by one, give them as landmarks.");
@@ -198,7 +197,7 @@ void Fitter::Judge(const FitTarget &target, const FitPlacement &placement, bool 
     report.apart = placement.apart * scale;
     report.larger = placement.larger;
     report.mirrored = placement.mirrored && !isLed;
-    report.flat = target.Spans().acrossPlane < noShape && placement.flatness > someShape;
+    report.flat = target.Spans().acrossPlane < FitTarget::Shape::none && placement.flatness > someShape;
     const bool isApart =
         param.start == FitStart::AsItLies && placement.apart > afar && !isLed && report.apart < param.largestDistance;
     report.fromAfar = isApart && IsAllFree();

@@ -8,6 +8,13 @@
 
 namespace vcg::fcd {
 
+namespace {
+
+// Beyond these, nothing changes any more, until the fit's system has no solution in double precision.
+constexpr double leastStiffness = 1e-6, mostStiffness = 1e6;
+
+} // namespace
+
 FitParam::FitParam() {
     influence = 3; // smooth at joints: 2 folds there (the arm of tests/fit_recipes.py), and 4 takes twice as long
     graph.initialPatches = 150; // twice as many fit no better, and take four times as long
@@ -24,8 +31,10 @@ FitParam FitParam::LandmarksAlone() const {
 
 void FitParam::ValidateFit() const {
     Validate();
-    if (!(stiffness > 0) || std::isinf(stiffness))
-        throw BadInput("The stiffness must be a positive, finite number; 1 is the default.");
+    if (!(stiffness >= leastStiffness && stiffness <= mostStiffness))
+        throw BadInput("The stiffness must be from 1e-6 to 1e6; 1 is the default.");
+    if (smoothness > mostStiffness)
+        throw BadInput("The smoothness of a fit must be at most 1e6; useful are 0.001 to 0.1.");
     if (!(fitRigidity >= 0 && fitRigidity <= 1))
         throw BadInput("The rigidity must be from 0 (smooth) to 1 (rigid, the default).");
     if (!(largestDistance > 0))

@@ -6,6 +6,7 @@
 #include <vcg_ext/line/line_motion.h>
 
 #include <Eigen/Geometry>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -24,8 +25,8 @@ struct StraightenParam : DeformationParam {
 struct StraightenReport {
     double length = 0, newLength = 0; ///< of the line, before and after, world units
     double jitter = 0;       ///< jitter of the line's points that was removed: rms in each direction, world units
-    bool isMiddle = false;   ///< the line was to be moved into the middle
-    bool leftMiddle = false; ///< it was not, since that stretches the surface more
+    bool isMiddle = false;   ///< the line through the middles of the cross-sections was used
+    bool leftMiddle = false; ///< it was asked for, and not used, since it stretches the surface more
     /// By what share cross-sections get longer or shorter along the line than the line itself, rms: 0 for a line
     /// through their middles.
     double lengthening = 0;
@@ -35,6 +36,11 @@ struct StraightenReport {
     Index following = 0, released = 0; ///< nodes that move with the line; nodes that would fold or tear, and do not
     std::vector<std::pair<double, double>> releasedAt; ///< where the latter are along the line: from, to, world units
     double rms = 0, largest = 0; ///< distance of the surface from where its cross-sections move, world units
+
+    /// Warnings about the line for users, a sentence or two each.
+    std::vector<std::string> Warnings() const;
+    /// What to do against folds, a sentence.
+    std::string Remedy() const;
 };
 
 /// Handles with all vertices free.
@@ -44,7 +50,7 @@ Handles AllFree(std::size_t slots, const Eigen::Affine3d &world);
 /// removed, unless smoothing is asked for. With goal.middle, the line is moved into the middles of the cross-sections,
 /// unless that stretches the surface more.
 /// \param deformer of a surface that is all free, prepared with bendsUnheld \param world the matrix of its layer
-/// \param report if given, out: jitter and leftMiddle \return its points, 3 x n, world units
+/// \param report if given, out: jitter, isMiddle and leftMiddle \return its points, 3 x n, world units
 /// \throw BadInput as FramedLine; less than half of the line lies in the box of the surface; too few cross-sections to
 /// find their middles \throw Cancelled
 Eigen::Matrix3Xd LineOf(const LineGoal &goal, const Deformer &deformer, const Eigen::Affine3d &world,

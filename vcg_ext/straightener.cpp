@@ -155,7 +155,7 @@ Eigen::Matrix3Xd BetterMiddle(const RegionDeformer &deformer, const Eigen::Affin
 /// that was moved into the middle lies where it can: the middles along it may be others, but nobody can ask for these.
 bool IsBeside(const RegionDeformer &deformer, const Eigen::Affine3d &world, const FramedLine &line,
               const StraightenReport &report, const Progress &progress) {
-    if (!(report.lengthening > unclear) || report.isMiddle)
+    if (!(report.lengthening > unclear) || report.isMiddle || report.leftMiddle)
         return false;
     try {
         return BetterMiddle(deformer, world, line, 0, progress).cols() > 0;
@@ -201,15 +201,16 @@ Eigen::Matrix3Xd LineOf(const LineGoal &goal, const Deformer &prepared, const Ei
         return steady.point;
     const FramedLine line(steady.point, goal.smoothing);
     const Eigen::Matrix3Xd middle = BetterMiddle(deformer, world, line, goal.smoothing, progress.Slice(0.1, 1));
-    if (report)
-        report->leftMiddle = middle.cols() == 0;
+    if (report) {
+        report->isMiddle = middle.cols() > 0;
+        report->leftMiddle = !report->isMiddle;
+    }
     return middle.cols() > 0 ? middle : steady.point;
 }
 
 LineMotion MotionTo(LineGoal goal, const Deformer &prepared, const Eigen::Affine3d &world, StraightenReport &report,
                     const Progress &progress) {
     const RegionDeformer &deformer = prepared.Whole();
-    report.isMiddle = goal.middle;
     goal.line = LineOf(goal, prepared, world, progress, &report);
     if (goal.target.cols() > 0)
         goal.target =

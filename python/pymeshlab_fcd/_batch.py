@@ -211,7 +211,7 @@ def _straighten(given: argparse.Namespace, path: Path, out: Path, threads: int) 
     line = _tables.numbers(Path(given.lines) / f"{path.stem}.csv", 3, "x, y, z")
     made = straighten(ply.vertices, ply.faces, line, normals=ply.normals, threads=threads, **_parameters(given))
     measured = made.line
-    return {"length": measured.length, "new_length": measured.new_length, "twist": measured.twist, "released": measured.released,
+    return {"length": measured.length, "new_length": measured.new_length, "is_middle": measured.is_middle, "twist": measured.twist, "released": measured.released,
             **_write(ply, made, out, _POSED, given)}
 
 
@@ -568,6 +568,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _go(given: argparse.Namespace, outs: Mapping[Path, Path], keys: Mapping[Path, str], table: Table | None) -> int:
     """Does the files that are left. Returns the status."""
     rows = table.rows if table else {}
+    if table:
+        _files.sweep([table.path, Path(given.out) / "mean.ply", *(each for out in outs.values() for each in _results_of(given, out))])
 
     def is_as_written(path: Path) -> bool:
         row = rows.get(table.source(path)) if table else None

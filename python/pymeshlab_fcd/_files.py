@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import shutil
 import sys
 import unicodedata
 import uuid
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import BinaryIO
 
 
@@ -132,6 +133,21 @@ def written(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[BinaryIO]]
     finally:
         for each in made:
             each.tidy()
+
+
+def sweep(paths: Iterable[str | os.PathLike[str]]) -> None:
+    """Removes what killed processes left of unfinished files for these names. Nobody else may write them meanwhile."""
+    names: dict[str, set[str]] = {}
+    for path in paths:
+        folder, name = os.path.split(os.path.realpath(os.fsdecode(path)))
+        names.setdefault(folder, set()).add(name)
+    for folder, own in names.items():
+        with contextlib.suppress(OSError):  # there is no such folder
+            for each in os.listdir(folder):
+                unfinished = re.fullmatch(r"(.*)\.\d+\.[0-9a-f]{32}\.part", each, re.DOTALL)
+                if unfinished and unfinished[1] in own:
+                    with contextlib.suppress(OSError):
+                        os.unlink(os.path.join(folder, each))
 
 
 def write(path: str | os.PathLike[str], content: bytes) -> None:

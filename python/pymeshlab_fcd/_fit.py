@@ -161,7 +161,7 @@ class Fitter(Unchanging):
         by its axes and scaled, and a MatchWarning says which. `landmarks_rigid`, `landmarks_similar` (with a scale): by the landmarks, at least
         three. `axes`: middle onto middle and principal axes onto principal axes, in the best of 24 ways.
     stiffness : float, default 1.0
-        How rigid the surface is in the end, more than 0: 1 is the default, 10 is stiff.
+        How rigid the surface is in the end, 1e-6 to 1e6: 1 is the default, 10 is stiff.
     rigidity : float, default 1.0
         Share of the stiffness against stretching, 0 to 1. 1: as rigid as possible, for shapes that bend, like bodies. 0: smooth, for shapes
         that are sheared, scaled or grown all over, like one skull to another. Then only changes of the map from place to place cost, as in a
@@ -310,6 +310,8 @@ class Fitter(Unchanging):
             An argument has the wrong shape, or is out of range, the target is empty, a point, a line, 1e15 times larger or 1e8
             times smaller than the surface, nothing of the surface has a counterpart there, landmarks or curves are not free vertices of the
             surface, landmarks at one place, or the start does not go with them or with the tags.
+        RuntimeError
+            The fit has no solution in double precision, as of a surface that is as thin as a line.
         KeyboardInterrupt
             Ctrl-C, at once; nothing is half done.
 
@@ -523,6 +525,8 @@ def fit(
     ValueError
         An argument has the wrong shape, or is out of range, nothing is free, the target is empty, nothing has a counterpart there, landmarks or curves are
         not free, landmarks at one place, or the start does not go with them or with the tags.
+    RuntimeError
+        The fit has no solution in double precision, as of a surface that is as thin as a line.
     KeyboardInterrupt
         Ctrl-C, at once; nothing is half done.
 

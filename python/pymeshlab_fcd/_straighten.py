@@ -27,6 +27,8 @@ class LineInfo:
     """Length of the line after."""
     jitter: float
     """Jitter across the line that was removed, root mean square in one direction; 0: none."""
+    is_middle: bool
+    """Whether the line through the middles of the cross-sections was used."""
     left_middle: bool
     """Whether the given line was used in spite of `middle`, since the middles would stretch the surface more."""
     lengthening: float
@@ -191,27 +193,14 @@ def straighten(
     told = shared(progress)
     deformer = Deformer._made(vertices, faces, normals, False, _inputs.whole("threads", threads, 0, 1024), lambda _: Plan("free", param),
                               report(told, 0, 60))
-    solved, measured = _core.straighten(deformer._prepared, goal, report(told, 60, 80))
+    solved, measured, warnings, remedy = _core.straighten(deformer._prepared, goal, report(told, 60, 80))
     made = Straightened(deformer, solved)
     made._line = LineInfo(**measured)
     made._write(None, None, report(told, 80, 95))
-    found: list[Told] = []
-    remedy = "raise smoothing" if middle else "lay the line through the middle (middle=True), or raise smoothing"
-    if made.line.left_middle:
-        found.append((LineWarning, "The line stays as given: through the middles of the cross-sections it would stretch the surface more."))
-    if made.line.released > 0:
-        short = 1e-3 * made.line.length  # about one vertex
-        places = ", ".join(f"{begin:g} to {end:g}" if end - begin > short else f"{begin:g}" for begin, end in made.line.released_at[:5])
-        more = ", and elsewhere" if len(made.line.released_at) > 5 else ""
-        found.append((LineWarning, f"Beside the line at {places}{more} of its length, the surface follows its surroundings as rigidly as "
-                                   "possible: cross-sections that move with the line would fold it, or make it twice or half as long. If that "
-                                   f"is not meant, {remedy}."))
-    if made.line.is_beside:
-        found.append((LineWarning, f"The line lies to one side of the surface, which gets longer or shorter along it by {100 * made.line.lengthening:.3g} % "
-                                   "(root mean square). If the line was picked on the surface, use middle=True."))
+    found: list[Told] = [(LineWarning, each) for each in warnings]
     folded = made._check(report(told, 95, 100))["folded"]
     if folded > 0:
-        found.append((FoldWarning, f"{triangles_turned(folded)}: the surface is folded there. {remedy[0].upper()}{remedy[1:]}."))
+        found.append((FoldWarning, f"{triangles_turned(folded)}: the surface is folded there. {remedy}"))
     warn(found, 2)
     made._warn_of_contact(3)
     return made

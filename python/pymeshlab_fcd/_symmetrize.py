@@ -194,7 +194,7 @@ def symmetrize(
     normals : array_like, optional
         n x 3, at rest. They turn with the surface, and tell the sides of a cloud apart. None: those of its faces.
     stiffness : float, default 1.0
-        How rigid the surface is against local deformations in the end, more than 0: 1 is the default, 10 is stiff.
+        How rigid the surface is against local deformations in the end, 1e-6 to 1e6: 1 is the default, 10 is stiff.
     largest_distance : float, default 0.0
         A place farther than this from the mirror image, in units of the vertices, has no counterpart there. 0: no limit.
     landmark_tolerance : float, default 0.0
@@ -227,6 +227,8 @@ def symmetrize(
     ValueError
         An argument has the wrong shape, or is out of range, a vertex is named twice as a landmark, the plane has no direction, or nothing has a
         counterpart.
+    RuntimeError
+        The fit has no solution in double precision, as of a surface that is as thin as a line.
     KeyboardInterrupt
         Ctrl-C, at once; nothing is half done.
 

@@ -254,6 +254,25 @@ def test_its_processes_end_with_it(tmp_path, how, status):
     assert status < 0 or not list((tmp_path / "o").glob("*.part"))
 
 
+def test_what_a_killed_command_left_is_removed_by_the_next_one(tmp_path):
+    vertices, faces, tags, _ = bar(9, 3)
+    write_ply(tmp_path / "x.ply", vertices, faces, tags)
+    out, mark = tmp_path / "o", f".{os.getpid()}.{'0f' * 16}"
+    kill = ("import os, shutil, sys; from pymeshlab_fcd import _batch\n"
+            "shutil.copymode = lambda *_: os._exit(9)\nos.replace = lambda *_: os._exit(9)\nsys.exit(_batch.main(sys.argv[1:]))")
+    command = ["deform", str(tmp_path / "x.ply"), "--move", "2", "translate 0 0 1", "--deformations", "--out", str(out)]
+    assert subprocess.run([sys.executable, "-c", kill, *command], check=False).returncode == 9
+    left = list(out.glob("x.ply.*.part"))
+    assert len(left) == 1
+    ours = [out / f"deform.csv{mark}.part", out / "deformations" / f"x.ply{mark}.part"]
+    others = [out / f"y.ply{mark}.part", out / f"x.ply{mark}.kept", out / "x.ply.part", out / f"my x.ply{mark}.part"]
+    ours[1].parent.mkdir(exist_ok=True)
+    for each in [*ours, *others]:
+        each.write_bytes(b"")
+    assert main(command) == 0
+    assert not any(each.exists() for each in [*left, *ours]) and all(each.exists() for each in others) and (out / "x.ply").exists()
+
+
 def test_scans_are_whole_scenes(tmp_path, capsys):
     trimesh = pytest.importorskip("trimesh")
     vertices, faces, _, _ = bar(9, 3)
@@ -371,7 +390,7 @@ def test_options_that_no_file_can_be_done_with_are_refused_at_once(tmp_path, cap
                              (["fit", here, here, "--weights", "label"], "have no label"),
                              (["fit", here, here, "--curves", tmp_path / "no"], "no is neither a file nor a folder"),
                              (["straighten", here, "--lines", tmp_path, "--degrees", "400"], "An arc bends by less than 360"),
-                             (["symmetrize", here, "--stiffness", "0"], "The stiffness must be a positive"),
+                             (["symmetrize", here, "--stiffness", "0"], "The stiffness must be from 1e-6"),
                              (["compensate", here, here, "--degree", "9"], "degree must be from 1 to 7; it is 9"),
                              (["compensate", tmp_path, here], f"{tmp_path} is a folder: give a file"),
                              (["apply", tmp_path / "no", here], "no: No such file or directory"),

@@ -489,7 +489,9 @@ NOWHERE = np.array([[0, 0, 0.0], [0, 0, 1]])
     (TARGET, {"start": "landmarks_rigid"}, "A start from landmarks needs three of them"),
     (TARGET, {"start": "axes", "tags": FIXED}, "A start that moves all of the surface"),
     (TARGET, {"start": "moments"}, "start must be one of 'as_they_lie', 'landmarks_rigid', 'landmarks_similar', 'axes'"),
-    (TARGET, {"stiffness": 0}, "The stiffness must be a positive"),
+    (TARGET, {"stiffness": 0}, "The stiffness must be from 1e-6 to 1e6"),
+    (TARGET, {"stiffness": 1e300}, "The stiffness must be from 1e-6 to 1e6"),
+    (TARGET, {"smoothness": 1e300}, "The smoothness of a fit must be at most 1e6"),
     (TARGET, {"rigidity": 2}, "The rigidity must be from 0"),
     (TARGET, {"largest_distance": -1}, "largest distance of matches must be positive"),
     (TARGET, {"largest_angle": 200}, "largest angle of matches"),
@@ -509,8 +511,12 @@ def test_what_cannot_be_taken(target, given, message):
 
 
 def test_what_has_no_solution():
+    x = np.linspace(0, 1, 60)
+    line = np.concatenate([np.stack([x, y + 0 * x, 0 * x], 1) for y in (0, 1e-10)])
+    i = np.arange(59)
+    faces = np.concatenate([np.stack([i, i + 1, i + 60], 1), np.stack([i + 1, i + 61, i + 60], 1)])
     with pytest.raises(RuntimeError, match="Take stiffness and smoothness nearer to their defaults"):
-        fit(VERTICES, FACES, TARGET, TARGET_FACES, stiffness=1e30, **QUICK)
+        fit(line, faces, TARGET, TARGET_FACES, landmarks=([0, 59], [[0, 0, 0], [1, 0, 0.1]]), **QUICK)
 
 
 @pytest.mark.parametrize("landmarks", [[900], CHOSEN, {"a": 1}])

@@ -115,7 +115,7 @@ def test_clicking_more_points_makes_it_no_longer(count):
     assert made.line.length == pytest.approx(LENGTH - 0.2, abs=4 * jitter)
     assert rms_apart(made.vertices, vertices) < 2 * jitter
     assert not made.line.jitter or made.line.jitter == pytest.approx(jitter, rel=0.5)
-    assert (count < 30 or made.line.jitter) and not made.line.left_middle
+    assert (count < 30 or made.line.jitter) and not made.line.is_middle and not made.line.left_middle
 
 
 def test_a_middle_that_stretches_more_is_left():
@@ -124,7 +124,7 @@ def test_a_middle_that_stretches_more_is_left():
     given = straighten(bent(vertices), faces, bent(AXIS))
     with pytest.warns(DeformationWarning, match="through the middles of the cross-sections it would stretch the surface more"):
         made = straighten(bent(vertices), faces, bent(AXIS), middle=True)
-    assert made.line.left_middle and not given.line.left_middle and same(made.vertices, given.vertices)
+    assert made.line.left_middle and not made.line.is_middle and not given.line.left_middle and same(made.vertices, given.vertices)
 
 
 def test_progress_goes_on():
@@ -199,11 +199,11 @@ def test_places_along_the_line_are_told_once():
         straighten(row, None, [[0, 0, 0], [1, 0.3, 0], [2, 0, 0]])
 
 
-@pytest.mark.parametrize("middle, remedy", [(False, "ay the line through the middle (middle=True), or raise smoothing."), (True, "aise smoothing.")])
+@pytest.mark.parametrize("middle, remedy", [(False, "Remedy: take the line through the middle (middle), or raise the smoothing of the line."), (True, "Remedy: raise the smoothing of the line.")])
 def test_warnings_do_not_ask_for_what_was_asked_for(middle, remedy):
     """A corner so sharp that the thick surface folds at its inner side."""
     vertices, faces = tube(61, 24, 2.0)
     with pytest.warns(DeformationWarning) as told:
         straighten(vertices, faces, AXIS, CORNER, middle=middle, patches=100)
     texts = [str(each.message) for each in told if "Beside the line" in str(each.message) or "is folded there" in str(each.message)]
-    assert len(texts) == 2 and all(text.endswith(remedy) and ("middle=True" in text) != middle for text in texts)
+    assert len(texts) == 2 and all(text.endswith(remedy) and ("(middle)" in text) != middle for text in texts)

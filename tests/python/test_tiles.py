@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The examples for surveys in tiles: LAS and LAZ in chunks, on one machine and on a local Dask cluster."""
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -258,7 +259,31 @@ def test_a_full_disk_or_a_kill_leaves_what_was_there(sink, tiles, tmp_path):
               "def dies(xyz, threads):\n    calls.append(1)\n    return bend(xyz) if len(calls) < 5 else os.kill(os.getpid(), signal.SIGKILL)\n"
               "warp(dies, sys.argv[3], sys.argv[4], 1000)")
     done = subprocess.run([sys.executable, "-c", killed, str(EXAMPLES), str(sink), str(tiles[0]), str(target)])
-    assert done.returncode == -9 and target.read_bytes() == b"old"
+    assert done.returncode == -9 and target.read_bytes() == b"old" and len(list(tmp_path.glob("tile.las.*.part"))) == 1
+    running, other = tmp_path / f"tile.las.{os.getppid()}.part", tmp_path / "a tile.las.999999999.part"
+    running.write_bytes(b"")
+    other.write_bytes(b"")
+    warp(pymeshlab_fcd.Deformation.load(sink), tiles[0], target)
+    assert sorted(tmp_path.iterdir()) == sorted([target, running, other]) and target.stat().st_size > 3
+
+
+def test_a_tile_with_an_octree_becomes_an_ordinary_one(tmp_path):
+    """The records of COPC 1.0 tell where the octree is in the file."""
+    header = laspy.LasHeader(point_format=6, version="1.4")
+    header.scales = [SCALE] * 3
+    header.vlrs += [laspy.VLR("copc", 1, "COPC info VLR", bytes(160)), laspy.VLR("own", 7, "", b"abc")]
+    las = laspy.LasData(header)
+    las.xyz = np.random.default_rng(0).random((100, 3))
+    las.evlrs = laspy.vlrs.vlrlist.VLRList([laspy.VLR("copc", 1000, "EPT hierarchy", bytes(32)), laspy.VLR("own", 8, "", b"def")])
+    las.write(tmp_path / "a.copc.laz")
+    goal = targets([tmp_path / "a.copc.laz"], tmp_path / "o")[tmp_path / "a.copc.laz"]
+    assert goal == tmp_path / "o" / "a.laz" and warp(lambda points, threads: points + [0, 0, 1], tmp_path / "a.copc.laz", goal) == 100
+    made = laspy.read(goal)
+    assert [each.record_data_bytes() for each in [*made.vlrs, *made.evlrs]] == [b"abc", b"def"]
+    assert np.abs(xyz(made) - xyz(las) - [0, 0, 1]).max() < 1e-9
+    las.write(tmp_path / "a.laz")
+    with pytest.raises(ValueError, match="two of the tiles would be written to one file"):
+        targets([tmp_path / "a.copc.laz", tmp_path / "a.laz"], tmp_path / "o")
 
 
 def test_vectors_and_distances_are_extra_dimensions(sink, tiles, tmp_path):

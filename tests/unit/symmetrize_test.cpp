@@ -153,6 +153,21 @@ TEST(Compensation, TellsWhatIsOutOfRange) {
                   Compensation(points, sheet.View(), {}, param);
               }).find("no triangles with an area"),
               std::string::npos);
+    const auto ofScan = [&](std::size_t count, double out) { // the first ones lie on a line
+        Sheet few(20);
+        few.position.resize(3 * count);
+        for (std::size_t i = 0; i < count; ++i)
+            few.position[3 * i + 2] = 0;
+        few.position[1] += out;
+        SurfaceView scan = few.View();
+        scan.faces = 0;
+        scan.isCloud = true;
+        scan.vertexSlots = count;
+        return fcd_test::MessageOf<BadInput>([&] { Compensation(sheet.View(), scan, {}, CompensateParam()); });
+    };
+    for (std::size_t count : {1, 2, 15})
+        EXPECT_NE(ofScan(count, 0).find("All of the scan lies at one point or on one line"), std::string::npos);
+    EXPECT_NE(ofScan(9, 0.3).find("The scan has 9 points, too few"), std::string::npos);
 }
 
 TEST(Symmetrize, TellsWhichLandmarkIsWrong) {

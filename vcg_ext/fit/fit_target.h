@@ -72,7 +72,9 @@ class FitTarget {
     /// Rms extents across its main direction, and across its plane, over that along the main direction, [0, 1]; 0 for a
     /// point.
     struct Shape {
+        static constexpr double none = 1e-6; ///< smaller extents are rounding
         double acrossLine = 0, acrossPlane = 0;
+        bool IsLine() const { return !(acrossLine > none); } ///< or a point
     };
     Shape Spans() const;
     std::vector<Curve> curves;                      ///< as of FitGoal, but frame units

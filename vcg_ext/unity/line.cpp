@@ -8,3 +8,4 @@
 #include <vcg_ext/straighten/line_places.cpp>   // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/straighten/line_sections.cpp> // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/straightener.cpp>             // NOLINT(bugprone-suspicious-include)
+#include <vcg_ext/straightener_report.cpp>      // NOLINT(bugprone-suspicious-include)
