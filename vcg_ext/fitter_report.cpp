@@ -141,9 +141,10 @@ std::vector<std::string> FitReport::TargetRemarks() const {
                           (isSureFromAfar ? "."
                                           : ", but which way round is not sure. Look at it; if it is turned, give "
                                             "landmarks and start from these."));
-    const bool isTurned = turnedBy > 1e-6, isScaled = std::abs(scaledBy - 1) > 1e-6; // more than rounding
+    // A bent surface seems turned by some degrees if it is only scaled.
+    const bool isTurned = turnedBy > 0.1, isScaled = std::abs(scaledBy - 1) > 1e-6; // more than rounding
     if (isTurned || isScaled)
-        remarks.push_back("The surface was first laid onto the target's middle" +
+        remarks.push_back("The surface was first laid onto the target" +
                           (isTurned ? ", turned by " + Rounded(turnedBy * 180 / detail::pi) + " degrees" : "") +
                           (isScaled ? ", scaled by " + Rounded(scaledBy) : "") +
                           ", as it fits with far less strain so. Look at it; if that is wrong, give landmarks and "

@@ -32,6 +32,9 @@ constexpr double aLimb = 0.01;
 // Strain of edges (rms) above which other starts are tried, and the share of it that another start may have. Shapes
 // made by formula had 0.36 and more if they lay turned, and 0.19 (a hand with touching fingers) if they lay right.
 constexpr double pressed = 0.25, farLess = 0.5;
+// Other starts are also tried if the edges grow or shrink by more than this share: the target has another size. Of
+// shapes made by formula and bent by up to 80 degrees, the right size let them grow by 0.005 at most.
+constexpr double grows = 0.1;
 
 // Ends of limbs are looked for among so many points of each surface, about a hundredth of the diagonal apart. An end is
 // known to two of these distances; five is elsewhere. Ends lead for half of the fit: then the surface is near, and the
@@ -184,36 +187,52 @@ void Fitter::Run::Lay(const Progress &progress) {
     StiffenGaps(Settle(progress), progress);
 }
 
-/// Tries other starts; keeps one if the surface is far less strained, and as much of it lies on the target.
+/// Tries other starts; keeps one if the surface is far less strained, and as much of it lies on the target. The fit
+/// then begins anew from where most of the surface went, with the scale that it found.
 void Fitter::Run::TryOtherStarts(const Progress &progress) {
     const double strained = StrainOf(region, graph), on = OnIt() - aLimb;
-    if (!(strained > pressed) || !fitter.MayBegin(report, isLed))
+    const bool isPressed = strained > pressed;
+    if (!(isPressed || std::abs(GrowthOf(region, graph) - 1) > grows) || !fitter.MayBegin(report, isLed))
         return;
-    Kept asItLay = SetAside();
     ends.clear(); // they belong to the old start
+    std::vector<Eigen::Affine3d> motions =
+        OtherStarts(samples.Places(matched, asItLies), fitter.sampleNormal, target, threads);
+    const std::size_t most = motions.size() + 3; // with those of tryScaled
+    const auto scaleOf = [](const Eigen::Affine3d &motion) { return motion.linear().col(0).norm(); };
+    // If one scale explains most of the strain of the present fit, that is the next start.
+    const auto tryScaled = [&](std::size_t next) {
+        const double growth = GrowthOf(region, graph);
+        if (std::abs(growth - 1) > grows && StrainOf(region, Grown(graph, growth)) < farLess * StrainOf(region, graph))
+            motions.insert(motions.begin() + std::ptrdiff_t(next),
+                           MotionOfMost(asItLies.position, graph.position, growth));
+    };
+    tryScaled(0);
+    Kept asItLay = SetAside();
+    const GraphPose first = start;
     double least = farLess * strained;
     Eigen::Affine3d began = Eigen::Affine3d::Identity();
-    const std::vector<Eigen::Affine3d> motions =
-        OtherStarts(samples.Places(matched, asItLies), fitter.sampleNormal, target, threads);
-    const double each = 0.75 / double(motions.size());
-    for (std::size_t m = 0; m < motions.size() && least >= farLess * farLess * strained; ++m) {
-        const GraphPose best = std::exchange(start, Moved(asItLies, motions[m]));
-        Draw(progress.Slice(double(m) * each, double(m + 1) * each));
+    for (std::size_t m = 0; m < motions.size() && least >= farLess * farLess * std::min(strained, pressed); ++m) {
+        const bool isScaled = std::abs(scaleOf(motions[m]) - 1) > grows;
+        start = Moved(asItLies, motions[m]);
+        Draw(progress.Slice(0.75 * double(m) / double(most), 0.75 * double(m + 1) / double(most)));
+        if (!isScaled)
+            tryScaled(m + 1);
         if (const double strain = StrainOf(region, graph); strain < least && OnIt() >= on) {
             least = strain;
-            began = motions[m];
-        } else {
-            start = best;
+            began = MotionOfMost(asItLies.position, graph.position,
+                                 isScaled ? scaleOf(motions[m]) * GrowthOf(region, graph) : 1);
         }
     }
     if (least < farLess * strained) {
         report = asItLay.report;
+        start = Moved(asItLies, began);
         Lay(progress.Slice(0.75, 1));
-        report.scaledBy = began.linear().col(0).norm();
+        report.scaledBy = scaleOf(began);
         report.turnedBy = detail::ArcCosine((began.linear().trace() / report.scaledBy - 1) / 2);
     } else {
         TakeBack(std::move(asItLay));
-        report.strained = strained;
+        start = first;
+        report.strained = isPressed ? strained : 0;
     }
 }
 

@@ -982,6 +982,52 @@ TEST(Fit, BeginsTurnedOrScaledByItself) {
     }
 }
 
+/// A lumpy ball with a limb, which is bent along an arc of \p curvature times its length.
+Shape OneLimbed(int around, double curvature) {
+    Shape shape = Lumpy(around);
+    for (Vector3d &p : shape.position) {
+        p[2] *= 1 + 2.5 * std::exp(60 * (p.normalized()[2] - 1));
+        const double start = 3, out = std::max(p[2] - start, 0.0), angle = curvature * out;
+        if (curvature > 0 && out > 0)
+            p = Vector3d((1 - (1 - curvature * p[0]) * std::cos(angle)) / curvature, p[1],
+                         start + (1 - curvature * p[0]) * std::sin(angle) / curvature);
+    }
+    return shape;
+}
+
+// A bent limb draws the target's middle aside, and makes its radius smaller: neither tells where most of the surface
+// belongs, nor how large it is. The fit does.
+TEST(Fit, FindsTheScaleOfWhatIsBent) {
+    if (sanitized)
+        return; // the limb needs many samples
+    const Shape from = OneLimbed(60, 0), to = OneLimbed(69, 0.16), belongs = OneLimbed(60, 0.16);
+    const double straight = Rms(Fit(from, to), belongs);
+    EXPECT_LT(straight, 0.014);
+    const double times = 1.2; // which strains the surface by less than other starts need, if it is all of one size
+    const Eigen::Affine3d larger(Eigen::Scaling(times));
+    const Fitted fitted = Fit(from, Moved(to, larger));
+    EXPECT_LT(Rms(fitted, Moved(belongs, larger)), 1.1 * times * straight);
+    EXPECT_NEAR(fitted.report.scaledBy, times, 0.01 * times);
+    const std::string said = Joined(fitted.report.Remarks());
+    EXPECT_NE(said.find("scaled by"), std::string::npos);
+    EXPECT_EQ(said.find("turned by"), std::string::npos);
+}
+
+// The body tells, though the mean of all is turned and lies elsewhere.
+TEST(Fit, AMotionOfMostIsThatOfTheBody) {
+    const Shape body = Lumpy(20), limb = Ball(Vector3d(9, 0, 0), 1, 8);
+    const Eigen::Affine3d turn = Eigen::Translation3d(1, -2, 3) * Eigen::Scaling(1.3) *
+                                 Eigen::AngleAxisd(0.7, Vector3d(1, 2, -1).normalized()),
+                          bend = turn * Eigen::AngleAxisd(1.5, Vector3d(0, 0.6, 0.8));
+    Matrix3Xd before(3, Eigen::Index(body.position.size() + limb.position.size())), after = before;
+    for (Eigen::Index i = 0; i < before.cols(); ++i) {
+        const bool isBody = std::size_t(i) < body.position.size();
+        before.col(i) = isBody ? body.position[std::size_t(i)] : limb.position[std::size_t(i) - body.position.size()];
+        after.col(i) = (isBody ? turn : bend) * before.col(i);
+    }
+    EXPECT_LT((MotionOfMost(before, after, 1.3).matrix() - turn.matrix()).norm(), 0.05);
+}
+
 // A target that no start fits without strain.
 TEST(Fit, TellsWhereAllIsStrained) {
     const Shape ball = Ball(Vector3d::Zero(), 1), rod = Moved(ball, Eigen::Affine3d(Eigen::Scaling(0.3, 0.3, 3.0)));

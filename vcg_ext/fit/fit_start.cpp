@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/base/error.h>
 #include <vcg_ext/base/parallel.h>
+#include <vcg_ext/fit/fit_matches.h>
 #include <vcg_ext/fit/fit_start.h>
 
 #include <Eigen/Eigenvalues>
@@ -49,6 +50,7 @@ constexpr double apart = 0.01;   // of the diagonal: below this misfit, a shape 
 constexpr std::size_t few = 200; // points that are enough to tell
 // Bending changes the radius by some percent. The fit itself finds smaller differences of size.
 constexpr double someSize = 0.1;
+constexpr int mostRounds = 30;       // of MotionOfMost: a limb that is turned by 90 degrees takes twenty
 constexpr std::size_t waysTried = 2; // if two axes are alike, the best one may be the wrong one
 
 /// The misfit of moved points: the sum of the nearest four fifths of the distances from the target. Where normals
@@ -177,6 +179,46 @@ double StrainOf(const RegionDeformer &deformer, const GraphPose &pose) {
             all += double(graph.weight[item]) * turned.squaredNorm();
         }
     return all > 0 ? std::sqrt(off / all) : 0;
+}
+
+double GrowthOf(const RegionDeformer &deformer, const GraphPose &pose) {
+    const DeformationGraph &graph = deformer.graph;
+    double along = 0, all = 0;
+    for (Index i = 0; i < graph.Size(); ++i)
+        for (std::uint32_t item = graph.graph.adjacency.begin[i];
+             item < graph.graph.adjacency.begin[std::size_t(i) + 1]; ++item) {
+            const Index j = graph.graph.adjacency.item[item];
+            const Eigen::Vector3d turned =
+                pose.linear[i] * (graph.graph.position.col(j) - graph.graph.position.col(i)).cast<double>();
+            along += double(graph.weight[item]) * turned.dot(pose.position.col(j) - pose.position.col(i));
+            all += double(graph.weight[item]) * turned.squaredNorm();
+        }
+    return along > 0 ? along / all : 1;
+}
+
+Eigen::Affine3d MotionOfMost(const Eigen::Matrix3Xd &from, const Eigen::Matrix3Xd &to, double scale) {
+    Eigen::VectorXd weight = Eigen::VectorXd::Ones(from.cols());
+    Eigen::Affine3d motion = Eigen::Affine3d::Identity();
+    for (int round = 0; round < mostRounds; ++round) {
+        weight /= weight.sum();
+        const Eigen::Vector3d a = from * weight, b = to * weight;
+        const Eigen::JacobiSVD<Eigen::Matrix3d> svd((to.colwise() - b) * weight.asDiagonal() *
+                                                        (from.colwise() - a).transpose(),
+                                                    Eigen::ComputeFullU | Eigen::ComputeFullV);
+        const double side = (svd.matrixU() * svd.matrixV()).determinant() < 0 ? -1 : 1;
+        motion.linear() = scale * svd.matrixU() * Eigen::Vector3d(1, 1, side).asDiagonal() * svd.matrixV().transpose();
+        motion.translation() = b - motion.linear() * a;
+        const Eigen::VectorXd off = ((motion.linear() * from).colwise() + motion.translation() - to).colwise().norm();
+        const double half = std::max(Quantile({off.data(), off.data() + off.size()}, 0.5), FitMatches::least);
+        weight = (1 + (off / half).array().square()).square().inverse();
+    }
+    return motion;
+}
+
+GraphPose Grown(GraphPose pose, double growth) {
+    for (Eigen::Matrix3d &linear : pose.linear)
+        linear *= growth;
+    return pose;
 }
 
 GraphPose Moved(GraphPose pose, const Eigen::Affine3d &motion) {

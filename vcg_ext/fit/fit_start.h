@@ -39,6 +39,17 @@ std::vector<Eigen::Affine3d> OtherStarts(const std::vector<Eigen::Vector3d> &poi
 /// shrank to nothing.
 double StrainOf(const RegionDeformer &deformer, const GraphPose &pose);
 
+/// The factor by which a graph's edges have grown in a pose beyond its maps: the one that leaves the least strain; 1 if
+/// there are no edges.
+double GrowthOf(const RegionDeformer &deformer, const GraphPose &pose);
+
+/// The motion with this scale that takes most points nearest to where they went: others, such as a bent limb, count
+/// little (Geman and McClure 1987). \param from, to frame units
+Eigen::Affine3d MotionOfMost(const Eigen::Matrix3Xd &from, const Eigen::Matrix3Xd &to, double scale);
+
+/// A pose whose maps are scaled, while the nodes stay.
+GraphPose Grown(GraphPose pose, double growth);
+
 /// A pose that is moved, and maybe scaled, as a whole.
 GraphPose Moved(GraphPose pose, const Eigen::Affine3d &motion);
 
