@@ -242,6 +242,18 @@ TEST(WorstCases, DetailBelowThePrecisionOfTheFrame) {
     ExpectDeforms(c.shape, c.handles);
 }
 
+TEST(WorstCases, WhatIsFreeIsFarSmallerThanTheWayToWhatHoldsIt) {
+    for (double size : {1e-10, 1e-12, 1e-16, 1e-25, 0.0}) {
+        Case c = CaseOf(Jittered(Grid(61, 31), 0.1), [](const Vector3d &p) {
+            return p[0] < 6 ? 0 : p[0] > 54 ? 2 : 1;
+        });
+        for (std::size_t i = 0; i < c.shape.position.size(); ++i)
+            if (c.handles.tag[i] == 1)
+                c.shape.position[i] = size * (c.shape.position[i] - Vector3d(30, 15, 0));
+        ExpectDeforms(c.shape, c.handles);
+    }
+}
+
 TEST(WorstCases, HugeAndTinyCoordinates) {
     const Matrix3Xd once = DeformCentroidal(MeshD(Bar().shape), Bar().handles, CoarseParam()).position;
     for (double scale : {std::ldexp(1., -1000), std::ldexp(1., -100), std::ldexp(1., 100), std::ldexp(1., 330)}) {

@@ -60,7 +60,7 @@ class SurfaceReader {
     std::size_t Live() const { return chunks.Live(); }
 
     Eigen::Vector3f InFrame(const Eigen::Vector3d &world) const {
-        const double most = 1e15; // its square is still a float
+        const double most = 1e9; // squares of areas, up to its fourth power, are still floats
         const Eigen::Vector3f x = s.frame.FromWorld(world).cwiseMin(most).cwiseMax(-most).template cast<float>();
         return x.array() + 0.f; // no negative zero: equal positions have equal bits
     }
