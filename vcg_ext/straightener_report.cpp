@@ -8,8 +8,8 @@ namespace vcg::fcd {
 
 std::string StraightenReport::Remedy() const {
     const bool mayBeMiddle = !isMiddle && !leftMiddle;
-    return std::string("Remedy: ") + (mayBeMiddle ? "take the line through the middle (middle), or " : "") +
-           "raise the smoothing of the line.";
+    return mayBeMiddle ? "Take the line through the middle (middle), or raise the smoothing of the line."
+                       : "Raise the smoothing of the line.";
 }
 
 std::vector<std::string> StraightenReport::Warnings() const {
@@ -28,7 +28,7 @@ std::vector<std::string> StraightenReport::Warnings() const {
         }
         line << (releasedAt.size() > 5 ? ", and elsewhere" : "")
              << " of its length, the surface follows its surroundings as rigidly as possible: cross-sections that move "
-                "with the line would fold it, or make it twice or half as long. If that is not meant: "
+                "with the line would fold it, or make it twice or half as long. "
              << Remedy();
         found.push_back(line.str());
     }

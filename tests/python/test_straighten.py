@@ -199,7 +199,7 @@ def test_places_along_the_line_are_told_once():
         straighten(row, None, [[0, 0, 0], [1, 0.3, 0], [2, 0, 0]])
 
 
-@pytest.mark.parametrize("middle, remedy", [(False, "Remedy: take the line through the middle (middle), or raise the smoothing of the line."), (True, "Remedy: raise the smoothing of the line.")])
+@pytest.mark.parametrize("middle, remedy", [(False, "Take the line through the middle (middle), or raise the smoothing of the line."), (True, "Raise the smoothing of the line.")])
 def test_warnings_do_not_ask_for_what_was_asked_for(middle, remedy):
     """A corner so sharp that the thick surface folds at its inner side."""
     vertices, faces = tube(61, 24, 2.0)
