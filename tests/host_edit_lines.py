@@ -158,7 +158,7 @@ def test_the_line_that_is_used_is_shown(window, tmp_path):
     w.shot("dragged")
     length = lines_found(w)[-1][1]
     straighten(w)
-    assert f"The line is {length} long" in w.text()
+    assert f"The line through the middles of the cross-sections is {length} long" in w.text()
 
     (tmp_path / "far.csv").write_text("0, 9, 0\n0, 9, 1\n")
     choose_layer(w, 0)

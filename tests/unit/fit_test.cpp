@@ -811,9 +811,16 @@ TEST(Fit, PartsThatNothingMatchesAreCarried) {
 }
 
 TEST(Fit, SaysWhatHasNoSolution) {
+    Shape strip = Grid(60, 2, 1.0 / 59); // as thin as a line
+    for (Vector3d &p : strip.position)
+        p[1] *= 1e-9;
+    const std::vector<Landmark> ends = {{0, Vector3d(0, 0, 0)}, {59, Vector3d(1, 0, 0.1)}};
+    EXPECT_NE(MessageOf<Unsolvable>([&] { Fit(strip, target, Small(), {}, ends); }).find("cannot be solved"),
+              std::string::npos);
     FitParam param;
-    param.smoothness = 1e307; // overflows
-    EXPECT_NE(MessageOf<Unsolvable>([&] { Fit(source, target, param); }).find("cannot be solved"), std::string::npos);
+    param.smoothness = 1e7;
+    EXPECT_EQ(MessageOf<BadInput>([&] { Fit(source, target, param); }),
+              "The smoothness of a fit must be at most 1e6; useful are 0.001 to 0.1.");
 }
 
 // Crumbs with more than twice the vertices of the sheet, but hardly any area, do not make it a heap of parts.
