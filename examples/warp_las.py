@@ -25,6 +25,7 @@ from typing import Any
 
 import laspy
 import numpy as np
+from laspy.vlrs.vlrlist import VLRList
 from numpy.typing import NDArray
 
 import pymeshlab_fcd
@@ -165,7 +166,7 @@ def warp_within(bend: pymeshlab_fcd.Deformation, source: str | Path, target: str
                             points[name] = values
                     writer.write_points(points)
                 if others := [each for each in reader.evlrs or [] if each.user_id != "copc"]:
-                    writer.write_evlrs(laspy.vlrs.vlrlist.VLRList(others))
+                    writer.write_evlrs(VLRList(others))
             count = int(reader.header.point_count)
         with open(aside, "rb+") as file:
             os.fsync(file.fileno())
