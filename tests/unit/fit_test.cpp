@@ -980,7 +980,8 @@ TEST(Fit, BeginsTurnedOrScaledByItself) {
                                      Eigen::Translation3d(-middle);
         const Fitted fitted = Fit(from, Moved(to, away));
         EXPECT_LT(Rms(fitted, Moved(belongs, away)), 1.5 * times * Rms(straight, belongs)) << degrees;
-        EXPECT_NEAR(fitted.report.scaledBy, times, 0.05 * times);
+        EXPECT_NEAR(fitted.report.scaledBy, times,
+                    (sanitized ? 0.1 : 0.05) * times); // a coarse surface tells it less well
         EXPECT_EQ(fitted.report.turnedBy > 1, degrees > 1);
         const std::string said = Joined(fitted.report.Remarks());
         EXPECT_NE(said.find("far less strain"), std::string::npos);

@@ -11,6 +11,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <cstddef>
 #include <numeric>
 #include <utility>
@@ -59,10 +60,18 @@ class SurfaceReader {
     bool IsBeside(std::size_t i) const { return !beside.empty() && beside[i]; }
     std::size_t Live() const { return chunks.Live(); }
 
+    /// What lies far outside is drawn nearer in each coordinate, so that squares of areas are still floats; the farther
+    /// stays farther, so that vertices stay apart.
     Eigen::Vector3f InFrame(const Eigen::Vector3d &world) const {
-        const double most = 1e9; // squares of areas, up to its fourth power, are still floats
-        const Eigen::Vector3f x = s.frame.FromWorld(world).cwiseMin(most).cwiseMax(-most).template cast<float>();
-        return x.array() + 0.f; // no negative zero: equal positions have equal bits
+        const double most = 1e8, finite = 1e300;
+        Eigen::Vector3d x = s.frame.FromWorld(world);
+        for (int k = 0; k < 3; ++k)
+            if (const double far = std::min(std::abs(x[k]), finite); far > most) {
+                int doublings = 0;
+                const double part = std::frexp(far / most, &doublings); // [0.5, 1)
+                x[k] = std::copysign(most * (1 + (doublings + 2 * part - 2) / 1024), x[k]);
+            }
+        return x.cast<float>().array() + 0.f; // no negative zero: equal positions have equal bits
     }
     Eigen::Vector3f InFrame(std::size_t i) const { return InFrame(s.frame.ToWorld(mesh.At(i))); }
 
