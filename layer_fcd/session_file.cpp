@@ -198,7 +198,7 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
     if (next.rest)
         forVertices(mesh, [&](std::size_t i) {
             if (isAtHome[i])
-                next.rest->vertex[i] = placed(mesh.vert[i].cP());
+                next.rest->vertex[i] = posedAt(mesh.vert[i].cP());
         });
     if (scan && scan->color) {
         const bool hasColor = layer.hasDataMask(MeshModel::MM_VERTCOLOR); // many formats have none

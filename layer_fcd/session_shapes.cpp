@@ -135,7 +135,7 @@ Shape shapeOf(const Reader &from, const LiveVertices &live) {
     return shape;
 }
 
-PosedVertex placed(const Point3m &p) { return {{p[0], p[1], p[2]}, RestShape::placeOf(p)}; }
+PosedVertex posedAt(const Point3m &p) { return {{p[0], p[1], p[2]}, RestShape::placeOf(p)}; }
 
 RestState restOf(const Reader &from, const LiveVertices &live, std::vector<char> &isAtHome) {
     RestState rest;
@@ -157,7 +157,7 @@ RestState restOf(const Reader &from, const LiveVertices &live, std::vector<char>
                 from.fail("whereabouts is out of range");
             isAtHome[i] = *its == atHome;
             if (*its == moved)
-                rest.vertex[i] = placed(posed[i]);
+                rest.vertex[i] = posedAt(posed[i]);
         });
     }
     rest.faces = facesOf(live.mesh);

@@ -16,7 +16,7 @@ QCborMap mapOf(const RestState &state, const LiveVertices &live);
 /// the layer has it; the caller still has to set RestState::vertex there
 RestState restOf(const Reader &from, const LiveVertices &live, std::vector<char> &isAtHome);
 /// A vertex that a pose has put at \p p.
-PosedVertex placed(const Point3m &p);
+PosedVertex posedAt(const Point3m &p);
 
 QCborMap mapOf(const KeptScan &scan, const LiveVertices &live);
 /// Reads it, for the vertices of a layer. \param shown the layer's shape when it was saved

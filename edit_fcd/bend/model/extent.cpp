@@ -196,11 +196,11 @@ void BendReach::findShares(BendExtent &made) const {
     const Eigen::Vector4d all = outer + inner;
     if (!(all[3] > 0))
         return;
-    const Eigen::Vector3d middle = all.hnormalized();
-    made.bends = surface->frame.FromFrame(middle);
+    const Eigen::Vector3d center = all.hnormalized();
+    made.bends = surface->frame.FromFrame(center);
     if (outer[3] > 0 && inner[3] > 0)
         made.axis = surface->frame.FromFrame(inner.hnormalized()) - surface->frame.FromFrame(outer.hnormalized());
-    if (!made.beyond.empty() && (middle - place).norm() > nearestJoint * radius)
+    if (!made.beyond.empty() && (center - place).norm() > nearestJoint * radius)
         made.joint = made.bends;
 }
 
