@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/base/error.h>
 #include <vcg_ext/base/parallel.h>
+#include <vcg_ext/base/rotation_fit.h>
 #include <vcg_ext/fit/fit_matches.h>
 #include <vcg_ext/fit/fit_start.h>
 
@@ -166,33 +167,33 @@ std::vector<Eigen::Affine3d> OtherStarts(const std::vector<Eigen::Vector3d> &poi
     return starts;
 }
 
-double StrainOf(const RegionDeformer &deformer, const GraphPose &pose) {
-    const DeformationGraph &graph = deformer.graph;
-    double off = 0, all = 0;
+/// Calls body(weight, edge, i, j) for all edges, both ways; the edge as the map of node i takes it, frame units.
+template <class Body>
+static void ForMovedEdges(const DeformationGraph &graph, const GraphPose &pose, const Body &body) {
     for (Index i = 0; i < graph.Size(); ++i)
         for (std::uint32_t item = graph.graph.adjacency.begin[i];
              item < graph.graph.adjacency.begin[std::size_t(i) + 1]; ++item) {
             const Index j = graph.graph.adjacency.item[item];
-            const Eigen::Vector3d edge = (graph.graph.position.col(j) - graph.graph.position.col(i)).cast<double>(),
-                                  turned = pose.linear[i] * edge;
-            off += double(graph.weight[item]) * (pose.position.col(i) + turned - pose.position.col(j)).squaredNorm();
-            all += double(graph.weight[item]) * turned.squaredNorm();
+            const Eigen::Vector3d edge = (graph.graph.position.col(j) - graph.graph.position.col(i)).cast<double>();
+            body(double(graph.weight[item]), Eigen::Vector3d(pose.linear[i] * edge), i, j);
         }
+}
+
+double StrainOf(const RegionDeformer &deformer, const GraphPose &pose) {
+    double off = 0, all = 0;
+    ForMovedEdges(deformer.graph, pose, [&](double weight, const Eigen::Vector3d &edge, Index i, Index j) {
+        off += weight * (pose.position.col(i) + edge - pose.position.col(j)).squaredNorm();
+        all += weight * edge.squaredNorm();
+    });
     return all > 0 ? std::sqrt(off / all) : 0;
 }
 
 double GrowthOf(const RegionDeformer &deformer, const GraphPose &pose) {
-    const DeformationGraph &graph = deformer.graph;
     double along = 0, all = 0;
-    for (Index i = 0; i < graph.Size(); ++i)
-        for (std::uint32_t item = graph.graph.adjacency.begin[i];
-             item < graph.graph.adjacency.begin[std::size_t(i) + 1]; ++item) {
-            const Index j = graph.graph.adjacency.item[item];
-            const Eigen::Vector3d turned =
-                pose.linear[i] * (graph.graph.position.col(j) - graph.graph.position.col(i)).cast<double>();
-            along += double(graph.weight[item]) * turned.dot(pose.position.col(j) - pose.position.col(i));
-            all += double(graph.weight[item]) * turned.squaredNorm();
-        }
+    ForMovedEdges(deformer.graph, pose, [&](double weight, const Eigen::Vector3d &edge, Index i, Index j) {
+        along += weight * edge.dot(pose.position.col(j) - pose.position.col(i));
+        all += weight * edge.squaredNorm();
+    });
     return along > 0 ? along / all : 1;
 }
 
@@ -202,11 +203,8 @@ Eigen::Affine3d MotionOfMost(const Eigen::Matrix3Xd &from, const Eigen::Matrix3X
     for (int round = 0; round < mostRounds; ++round) {
         weight /= weight.sum();
         const Eigen::Vector3d a = from * weight, b = to * weight;
-        const Eigen::JacobiSVD<Eigen::Matrix3d> svd((to.colwise() - b) * weight.asDiagonal() *
-                                                        (from.colwise() - a).transpose(),
-                                                    Eigen::ComputeFullU | Eigen::ComputeFullV);
-        const double side = (svd.matrixU() * svd.matrixV()).determinant() < 0 ? -1 : 1;
-        motion.linear() = scale * svd.matrixU() * Eigen::Vector3d(1, 1, side).asDiagonal() * svd.matrixV().transpose();
+        motion.linear() =
+            scale * detail::FitRotation((from.colwise() - a) * weight.asDiagonal() * (to.colwise() - b).transpose());
         motion.translation() = b - motion.linear() * a;
         const Eigen::VectorXd off = ((motion.linear() * from).colwise() + motion.translation() - to).colwise().norm();
         const double half = std::max(Quantile({off.data(), off.data() + off.size()}, 0.5), FitMatches::least);

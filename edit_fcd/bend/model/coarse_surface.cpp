@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/model/coarse_surface.h"
 
-#include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <utility>
 
 using vcg::fcd::Index;
 using vcg::fcd::SurfaceGraph;

@@ -199,7 +199,7 @@ void BendReach::findShares(BendExtent &made) const {
     const Eigen::Vector3d center = all.hnormalized();
     made.bends = surface->frame.FromFrame(center);
     if (outer[3] > 0 && inner[3] > 0)
-        made.axis = surface->frame.FromFrame(inner.hnormalized()) - surface->frame.FromFrame(outer.hnormalized());
+        made.axis = inner.hnormalized() - outer.hnormalized();
     if (!made.beyond.empty() && (center - place).norm() > nearestJoint * radius)
         made.joint = made.bends;
 }

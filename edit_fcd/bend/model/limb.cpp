@@ -219,8 +219,7 @@ std::pair<std::shared_ptr<const BendExtent>, bool> BendReach::beyond(std::size_t
                 break; // the handle would hold the other side
             found = made;
             // A stroke may also run around the limb: what counts is the way along it.
-            const Eigen::Vector3d towards = way.normalized(), inner = *made->bends + made->axis;
-            const Eigen::Vector3d axis = surface->frame.ToFrame(inner) - surface->frame.ToFrame(*made->bends);
+            const Eigen::Vector3d towards = way.normalized(), &axis = made->axis;
             const double advance = axis.dot(towards);
             ahead -= advance > 0.5 * axis.norm() ? off.dot(axis) / advance : off.dot(towards);
         }

@@ -32,7 +32,7 @@ struct BendExtent {
     std::vector<std::size_t> beyond; ///< tips, and what the core cuts off, with loose parts among these
     std::optional<Eigen::Vector3d>
         bends; ///< the middle of the strip that bends, between core and fixed part, layer units
-    Eigen::Vector3d axis = Eigen::Vector3d::Zero(); ///< across the strip, from what stays to the core; 0: not known
+    Eigen::Vector3d axis = Eigen::Vector3d::Zero(); ///< across the strip, towards the core, frame units; 0: not known
     std::optional<Eigen::Vector3d> joint;           ///< as bends, only on a limb
 
     float shareOf(std::size_t slot) const; ///< how much any vertex moves with the handle, [0, 1]
