@@ -3,9 +3,9 @@
 
     python solve_thinned.py LANDMARKS.csv bend.ply SPACING TILE.laz...
 
-A line of the landmarks is x, y, z and where that is to go, x, y, z; what stays is a landmark that goes where it is. Of the tiles,
-read in chunks, a point is kept in each cube with sides of SPACING, a fraction of the distance between landmarks: some ten thousand
-points are plenty. Needs laspy and pymeshlab_fcd."""
+A line of the landmarks is x, y, z and where that is to go, x, y, z; what stays is a landmark that goes where it is. Tiles are read in
+chunks. One point is kept in each cube with sides of SPACING, a fraction of the distance between landmarks: some ten thousand points
+are plenty. Each landmark moves the point that is kept nearest to it. Needs laspy and pymeshlab_fcd."""
 from __future__ import annotations
 
 import re
@@ -50,13 +50,35 @@ def read(landmarks: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     for number, line in enumerate(filled, 1):
         if len(line) != 6:
             raise ValueError(f"landmark {number} of {landmarks} has {len(line)} numbers; give 6: x, y, z and where that belongs, x, y, z")
+        for word in line:
+            number_of(word, f"a number in landmark {number} of {landmarks}")
     table = np.array(filled, np.float64).reshape(-1, 6)
     return table[:, :3], table[:, 3:]
 
 
+def number_of(word: str, what: str) -> float:
+    """A word of the user as a number. what: is expected, for messages"""
+    try:
+        return float(word)
+    except ValueError:
+        raise ValueError(f"{what} is expected; there is {word!r}") from None
+
+
+def tell_far(starts: NDArray[np.float64], points: NDArray[np.float64], spacing: float) -> None:
+    """Warns of landmarks beside the survey. A point of the survey has a kept one within the diagonal of its cube."""
+    for number, start in enumerate(starts, 1):
+        off = np.sqrt(((points - start) ** 2).sum(1).min())
+        if off > np.sqrt(3) * spacing:
+            print(f"landmark {number} is {off:.6g} from the nearest point that was kept, which moves in its place: check its coordinates",
+                  file=sys.stderr)
+
+
 def main(landmarks: str, target: str, spacing: str, *tiles: str) -> None:
-    points = thinned(tiles, float(spacing))
+    side = number_of(spacing, "the spacing, a number before the tiles,")
     starts, ends = read(landmarks)
+    points = thinned(tiles, side)
+    if len(points):
+        tell_far(starts, points, side)
     bend = pymeshlab_fcd.deformation(points, points=starts, landmarks=ends)
     bend.save(target)
     print(len(points), "points kept,", bend)

@@ -13,7 +13,7 @@ import pymeshlab_fcd
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 sys.path.insert(0, str(EXAMPLES))
-from solve_thinned import read  # noqa: E402
+from solve_thinned import read, tell_far  # noqa: E402
 from warp_las import targets, warp  # noqa: E402
 from warp_las_dask import warp_all  # noqa: E402
 
@@ -153,6 +153,7 @@ def test_landmarks_solved_on_thinned_tiles(tiles, tmp_path):
     less = tmp_path / "less.las"
     less.write_bytes(tiles[0].read_bytes()[:-1000 * laspy.open(tiles[0]).header.point_format.size])
     for wrong, said in ((["0", str(tiles[0])], "the spacing must be a positive number; it is 0.0."),
+                        ([str(tiles[0]), str(tiles[1])], f"the spacing, a number before the tiles, is expected; there is '{tiles[0]}'."),
                         (["2", str(tiles[1]), str(less)], f"{less}: it is cut short: it has 19000 of its 20000 points.")):
         done = subprocess.run([sys.executable, str(EXAMPLES / "solve_thinned.py"), str(tmp_path / "landmarks.csv"), str(tmp_path / "no.ply"), *wrong],
                               text=True, stderr=subprocess.PIPE, timeout=300)
@@ -160,7 +161,19 @@ def test_landmarks_solved_on_thinned_tiles(tiles, tmp_path):
     (tmp_path / "short.csv").write_text("1; 2; 3\n")
     with pytest.raises(ValueError, match="landmark 1 of .*short.csv has 3 numbers; give 6"):
         read(str(tmp_path / "short.csv"))
+    (tmp_path / "word.csv").write_text("1 2 3 1 2 3\n1 2 3 1 2 3m\n")
+    with pytest.raises(ValueError, match="a number in landmark 2 of .*word.csv is expected; there is '3m'"):
+        read(str(tmp_path / "word.csv"))
     assert abs(moved[0, 2] + 2) < 0.2 and abs(moved[1, 2]) < 0.1 and -1.9 < moved[2, 2] < -0.1
+
+
+def test_landmarks_beside_the_survey_are_told(capsys):
+    points = ORIGIN + np.stack(np.meshgrid(np.arange(0, 20, 2.0), np.arange(0, 20, 2.0), [0.0]), -1).reshape(-1, 3)
+    tell_far(points[[0, 57]] + [0, 0, 3.4], points, 2)  # a cube of 2 has a diagonal of 3.46
+    assert capsys.readouterr().err == ""
+    tell_far(points[[0, 57]] - [[0, 0, 0], [0, 0, 250]], points, 2)
+    assert capsys.readouterr().err == \
+        "landmark 2 is 250 from the nearest point that was kept, which moves in its place: check its coordinates\n"
 
 
 # --- what must not be lost ---
