@@ -159,6 +159,8 @@ def choice(name: str, value: object, options: Sequence[str]) -> int:
 def _motion(tag: int, value: object) -> Motion:
     if isinstance(value, Motion):
         return value
+    if isinstance(value, str):
+        raise TypeError(f"the motion of handle {tag} is a text; give it as Motion.parse({value!r:.60})")
     as_matrix = getattr(value, "as_matrix", None)  # scipy's rigid transforms
     given: Any = as_matrix() if callable(as_matrix) else value
     try:

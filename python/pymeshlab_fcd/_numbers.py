@@ -59,6 +59,8 @@ def told(error: BaseException) -> str:
 
 
 def _kind(values: object, array: NDArray[Any]) -> str:
+    if isinstance(values, (str, bytes)):
+        return f"the text {values!r:.60}"
     return f"an array of {array.dtype}" if isinstance(values, np.ndarray) else f"a {type(values).__name__} that holds {array.dtype}"
 
 

@@ -41,6 +41,7 @@ def mirrored():
 CASES = {
     "vertices: one row": (dict(vertices=V[0]), ValueError, "vertices must be n x 3, one row per vertex; it is 3"),
     "vertices: flat": (dict(vertices=V[:, :2]), ValueError, "it is 217 x 2"),
+    "vertices: a file": (dict(vertices="scan.ply"), TypeError, "an array of numbers; the text 'scan.ply' is none"),
     "vertices: transposed": (dict(vertices=V.T), ValueError, "it is 3 x 217"),
     "vertices: a number": (dict(vertices=1.0), TypeError, "neither an array of vertices nor a mesh"),
     "vertices: None": (dict(vertices=None), TypeError, "vertices is None"),
@@ -115,7 +116,7 @@ CASES = {
     "transforms: NaN": (dict(transforms={2: LIFT * np.nan}), ValueError, "finite"),
     "transforms: rows": (dict(transforms={2: LIFT.T}), ValueError, "Transpose a matrix for row vectors"),
     "transforms: mirrors": (dict(transforms={2: mirrored()}), ValueError, "mirrors or flattens"),
-    "transforms: text": (dict(transforms={2: "translate 0 0 1"}), (TypeError, ValueError), "the motion of handle 2"),
+    "transforms: text": (dict(transforms={2: "translate 0 0 1"}), TypeError, r"handle 2 is a text; give it as Motion.parse\('translate 0 0 1'\)"),
     "transforms: steps": (dict(transforms={2: Motion.parse("fly away")}), ValueError, "fly"),
     "transforms: as_matrix": (dict(transforms={2: AsMatrix()}), None, ""),
     "transforms: 1e300": (dict(transforms={2: Motion.translate([1e300, 0, 0])}), ValueError, "moves too far"),
@@ -198,7 +199,8 @@ def test_each_is_taken_or_an_error_that_says_what_to_do(name):
     (lambda: Motion.translate([0, 0]), ValueError, "by must be 3 numbers; it is 2"), (lambda: Motion.translate("up"), TypeError, "by must be 3 numbers"),
     (lambda: Motion.rotate([0, 0, 0], 90), ValueError, "axis must have a length"), (lambda: Motion.rotate([0, 0, 1], np.inf), ValueError, "finite"),
     (lambda: Motion.rotate([0, 0, 1], [1, 2]), ValueError, "degrees must be a number; it is 2"), (lambda: Motion.translate(None), TypeError, "by is None"),
-    (lambda: Motion.rotate([0, 0, 1], "90"), TypeError, "degrees must be a number; a str"), (lambda: Motion.translate([True] * 3), TypeError, "mask"), (lambda: Motion.scale(0), ValueError, "greater than 0"),
+    (lambda: Motion.rotate([0, 0, 1], "90"), TypeError, "degrees must be a number; the text '90' is none"),
+    (lambda: Motion.translate([True] * 3), TypeError, "mask"), (lambda: Motion.scale(0), ValueError, "greater than 0"),
     (lambda: Motion.scale([1, 2]), ValueError, "factors must be 3 numbers"), (lambda: Motion.parse(3), TypeError, "must be a text"),
     (lambda: Motion.parse("2: translate 0 0 1"), ValueError, "without its tag"), (lambda: Motion.scale(2).then(LIFT), TypeError, r"Motion.affine\(matrix\)")])
 def test_motions_that_are_none(make, error, words):
