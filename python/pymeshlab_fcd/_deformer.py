@@ -19,9 +19,10 @@ from ._inputs import Points
 from ._kept import Kept, Unchanging
 from ._meshes import MeshLike
 from ._motion import Motion
+from ._numbers import lengths
 from ._pose import Pose
 from ._progress import Progress, Report, report
-from ._warnings import NodeWarning, ScanLineWarning, SlitWarning, Told, VolumeWarning, warn
+from ._warnings import LandmarkWarning, NodeWarning, ScanLineWarning, SlitWarning, Told, VolumeWarning, warn
 
 GraphWeights = Literal["border", "uniform", "paper", "printed"]
 Falloff = Literal["smooth", "linear", "sharp", "constant"]
@@ -457,6 +458,13 @@ class Deformer(Unchanging):
                                          "surface that is open where it is free. They bend as without it."))
         if info.placed_nodes < nodes:
             found.append((NodeWarning, f"{nodes - info.placed_nodes} of the {nodes} nodes do not lie on the free surface, and are left out."))
+        if self._starts is not None and len(self._starts):
+            vertices = self._vertices.look()
+            off, size = lengths(self._starts - vertices[self._points]), lengths(np.ptp(vertices, axis=0)[None])[0]
+            farthest = int(off.argmax())
+            if off[farthest] > size:
+                found.append((LandmarkWarning, f"Landmark {farthest}, counted from 0, is {off[farthest]:g} from the surface, which is {size:g} large. "
+                                               "The vertex nearest to it moves as it does. Look whether its coordinates are right."))
         warn(found, 3)
 
     def pose(

@@ -63,7 +63,7 @@ class MatchWarning(DeformationWarning):
 
 
 class LandmarkWarning(DeformationWarning):
-    """Landmarks contradict each other, or the target."""
+    """Landmarks contradict each other or the target, or lie far from the surface."""
 
 
 class SymmetryWarning(DeformationWarning):

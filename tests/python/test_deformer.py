@@ -498,6 +498,18 @@ def motions_of(deformer, motions):
     return {tag: motions[tag] for tag in deformer.handles}
 
 
+def test_a_landmark_far_from_the_surface_is_told():
+    x, y = [grid.ravel() for grid in np.meshgrid(np.arange(9.0), np.arange(9.0))]
+    grid, size = np.stack([x, y, 0 * x], 1), np.hypot(8, 8)
+    tags = np.where(x == 0, 0, 1)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        near = Deformer(grid, None, tags, points=[[8, 8, 0.99 * size]])
+    assert near.points.tolist() == [80]
+    with pytest.warns(fcd.LandmarkWarning, match="Landmark 1, counted from 0, is 800 from the surface, which is 11.3137 large"):
+        near.with_tags(tags, points=[[8, 8, 0.0], [4, 8, 800]])
+
+
 def test_what_is_probably_not_meant_is_told():
     vertices, faces, tags, _ = bar()
     flat, onto = vertices * [1, 1, 0], np.eye(4)
