@@ -99,15 +99,15 @@ SurfacePose Deformer::Solve(HeldMotions motions, const SolverParam &solver, cons
 }
 
 SurfacePose Deformer::Solve(const Handles &handles, const DeformationParam &param, const Progress &progress) const {
-    const auto way = [&](int step, int steps) {
+    const auto path = [&](int step, int steps) {
         return MotionsOf(handles, step == steps ? param.pose : param.pose * step / steps);
     };
-    return SolveAlong(way, param, nullptr, progress);
+    return SolveAlong(path, param, nullptr, progress);
 }
 
-SurfacePose Deformer::SolveAlong(const Way &way, const DeformationParam &param, const Pose *begin,
+SurfacePose Deformer::SolveAlong(const Path &path, const DeformationParam &param, const Pose *begin,
                                  const Progress &progress) const {
-    HeldMotions end = way(1, 1);
+    HeldMotions end = path(1, 1);
     std::mutex lock;                                      // of motionsAt
     std::map<std::pair<int, int>, HeldMotions> motionsAt; // by step and steps
     const auto motionsOf = [&](int step, int steps) -> const HeldMotions & {
@@ -115,7 +115,7 @@ SurfacePose Deformer::SolveAlong(const Way &way, const DeformationParam &param, 
             return end;
         const std::lock_guard<std::mutex> guard(lock);
         const auto found = motionsAt.find({step, steps});
-        return found != motionsAt.end() ? found->second : motionsAt[{step, steps}] = way(step, steps);
+        return found != motionsAt.end() ? found->second : motionsAt[{step, steps}] = path(step, steps);
     };
     const auto solve = [&](const RegionDeformer &region, const HeldMotions &, const RegionPose *before,
                            const Progress &part) {

@@ -43,6 +43,7 @@ class Deformer : public MovingSurface {
 
     /// Estimates how far \p pose is from the pose with a node at every vertex: root mean square over the free surface,
     /// as a fraction of the diagonal of the nodes' box; NaN if unknown. \param solver as the pose was solved with
+    /// \throw Cancelled
     double DiscretisationError(const Pose &pose, const SolverParam &solver, const Progress &progress = {}) const;
 
     /// The number of steps to \p motions from \p begin, or from rest (null). In each step, handles and fixed parts of a
@@ -55,11 +56,11 @@ class Deformer : public MovingSurface {
     Pose Solve(const Handles &handles, const DeformationParam &param, const Progress &progress = {}) const;
 
     /// A path of motions: those at a step of 1 to \p steps. Called from several threads, but one at a time.
-    using Way = std::function<HeldMotions(int step, int steps)>;
+    using Path = std::function<HeldMotions(int step, int steps)>;
 
     /// The pose at the end of a path. \param begin the pose that the path begins at; null: at rest \param param its
     /// pose is not read \throw as Solve of motions
-    Pose SolveAlong(const Way &way, const DeformationParam &param, const Pose *begin = nullptr,
+    Pose SolveAlong(const Path &path, const DeformationParam &param, const Pose *begin = nullptr,
                     const Progress &progress = {}) const;
 
     const RegionDeformer &Region(std::size_t i) const { return static_cast<const RegionDeformer &>(*regions[i]); }
@@ -95,8 +96,8 @@ TagCount CountHandles(const Handles &handles, std::size_t slots, const char *del
 /// \param kept if given: a deformer of the same mesh, parameters and \p handles.world; its regions with unchanged tags
 ///        and point handles are reused
 /// \pre one tag per vertex slot, a handle and something free (CountHandles)
-/// \throw BadInput no vertices, a coordinate that is not finite, invalid point handles, or given nodes that lie
-/// elsewhere \throw Cancelled
+/// \throw BadInput no vertices, a coordinate that is not finite, invalid point handles, given nodes that lie
+/// elsewhere, or too many nodes \throw Cancelled
 std::unique_ptr<Deformer> PrepareDeformer(const SurfaceView &mesh, const Handles &handles, const DeformerParam &param,
                                           const Progress &progress = {}, const Deformer *kept = nullptr);
 
@@ -152,7 +153,7 @@ using NormalOf = std::function<Eigen::Vector3d(std::size_t slot)>;
 
 /// Builds the centroidal deformation graph of a surface (paper, sec. 2.1).
 /// \param metric the linear part of the layer's matrix: lengths and areas are measured after it
-/// \throw BadInput no vertices, a coordinate that is not finite, or a parameter out of range
+/// \throw BadInput no vertices, a coordinate that is not finite, a parameter out of range, or too many nodes
 /// \throw Cancelled
 CentroidalGraph BuildCentroidalGraph(const SurfaceView &mesh, const NormalOf &normal, const GraphParam &param,
                                      const Progress &progress = {},
@@ -208,8 +209,7 @@ void CarryPose(const SurfaceView &mesh, const NormalOf &normal, const Handles &h
 
 /// Deforms a surface in one call. Fixed vertices and vertices outside the region of influence keep their positions to
 /// the bit, handles move by their motions, and free vertices follow as rigidly as possible.
-/// \throw BadInput no vertices, a coordinate that is not finite, wrong number of tags, no handle, nothing free, a
-///        motion by more than 1e30 times the mesh, or a parameter out of range
+/// \throw BadInput as CountHandles, PrepareDeformer and Deformer::MotionsOf, or a parameter out of range
 /// \throw Unsolvable the graph cannot be factorised \throw Cancelled
 DeformationResult DeformSurface(const SurfaceView &mesh, const NormalOf &normal, const Handles &handles,
                                 const DeformationParam &param, const Progress &progress = {});

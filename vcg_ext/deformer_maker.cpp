@@ -44,7 +44,7 @@ class DeformerMaker {
         TagSame(whole.tag, 1);
         const bool isMany = !same.empty() && same.size() + found.regions.size() > std::size_t(SurfaceRegions::most);
         if (isMany || IsBesideSame(found.regions) ||
-            !Prepare(found.regions, progress.Slice(0.4, 0.95))) { // as if nothing were kept
+            !Prepare(found.regions, progress.Slice(0.4, 0.95))) { // begin again, and reuse nothing
             same.clear();
             found = reader.Read(whole, progress.Slice(0, 0.4));
             Prepare(found.regions, progress.Slice(0.4, 0.95));

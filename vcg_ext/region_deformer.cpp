@@ -153,18 +153,18 @@ RegionPose RegionDeformer::Solve(HeldMotions motions, const SolverParam &solver,
     return pose;
 }
 
-RegionPose RegionDeformer::SolveAlong(const Way &way, const SolverParam &solver, int least, const Pose *begin,
+RegionPose RegionDeformer::SolveAlong(const Path &path, const SolverParam &solver, int least, const Pose *begin,
                                       const Progress &progress) const {
-    HeldMotions end = way(1, 1);
-    const bool isWay = beyond.steps && solver.rigidity > 0; // at 0, the pose does not depend on the path
-    const int turns = isWay ? StepsTo(end, begin ? &begin->given : nullptr) : 1, steps = std::max(least, turns);
+    HeldMotions end = path(1, 1);
+    const bool followsPath = beyond.steps && solver.rigidity > 0; // at 0, the pose does not depend on the path
+    const int turns = followsPath ? StepsTo(end, begin ? &begin->given : nullptr) : 1, steps = std::max(least, turns);
     std::vector<HeldMotions> motions;
     for (int step = 1; step < steps; ++step)
-        motions.push_back(way(step, steps));
+        motions.push_back(path(step, steps));
     motions.push_back(std::move(end));
     if (!begin) {
         const std::lock_guard<std::mutex> guard(keptLock);
-        if (kept && kept->solver == solver && kept->way == motions)
+        if (kept && kept->solver == solver && kept->path == motions)
             return kept->pose;
     }
     SolverParam last = solver;
@@ -198,7 +198,7 @@ RegionPose RegionDeformer::SolveAlong(const Way &way, const SolverParam &solver,
 
 std::shared_ptr<const RegionPose> RegionDeformer::Kept(const HeldMotions &motions) const {
     const std::lock_guard<std::mutex> guard(keptLock);
-    if (!kept || !(kept->way.back() == motions))
+    if (!kept || !(kept->path.back() == motions))
         return nullptr;
     return {kept, &kept->pose};
 }

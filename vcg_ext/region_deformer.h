@@ -111,18 +111,18 @@ class RegionDeformer : public MovingRegion {
     int StepsTo(const HeldMotions &motions, const HeldMotions *begin = nullptr) const;
 
     /// A path of motions: those at a step of 1 to \p steps, as of OwnOf.
-    using Way = std::function<HeldMotions(int step, int steps)>;
+    using Path = std::function<HeldMotions(int step, int steps)>;
 
     /// The pose at the end of a path, in at least \p steps steps. The last pose from rest is kept, and returned if it
     /// is asked for again. \param begin the pose that the path begins at; null: at rest \throw as Solve
-    Pose SolveAlong(const Way &way, const SolverParam &solver, int steps, const Pose *begin = nullptr,
+    Pose SolveAlong(const Path &path, const SolverParam &solver, int steps, const Pose *begin = nullptr,
                     const Progress &progress = {}) const;
 
     /// The last pose from rest of SolveAlong, if its motions are these; else null.
     std::shared_ptr<const Pose> Kept(const HeldMotions &motions) const;
 
     /// Estimates how far \p pose is from the pose with a node at every vertex: root mean square over the free surface,
-    /// frame units; NaN if unknown. \param solver as the pose was solved with
+    /// frame units; NaN if unknown. \param solver as the pose was solved with \throw Cancelled
     double DiscretisationError(const Pose &pose, const SolverParam &solver, const Progress &progress = {}) const;
 
     const int askedPatches;                      ///< GraphParam::initialPatches that it was prepared with
@@ -146,7 +146,7 @@ class RegionDeformer : public MovingRegion {
     /// A pose from rest, and all that it depends on.
     struct KeptPose {
         SolverParam solver;
-        std::vector<HeldMotions> way;
+        std::vector<HeldMotions> path; // of each step
         Pose pose;
         double error = -1; // DiscretisationError; -1: not computed yet; guarded by keptLock
     };

@@ -94,8 +94,8 @@ class Leaves {
         std::uint32_t moves;     ///< a bit for each triangle
         std::uint32_t corner[3]; ///< slots of corners that all triangles share; SurfaceView::none: none
 
-        /// Whether all triangles share a corner with all of \p o: then none passes through another. So in a large fan,
-        /// where all boxes meet.
+        /// Whether all triangles share a corner with all of \p o, as in a large fan, where all boxes meet. Then none
+        /// passes through another.
         bool IsInFanWith(const Leaf &o) const {
             for (const std::uint32_t a : corner)
                 if (a != SurfaceView::none && (a == o.corner[0] || a == o.corner[1] || a == o.corner[2]))

@@ -21,12 +21,12 @@ constexpr double falloffRatio = 30;
 /// A constrained part, and its distance.
 struct Near {
     Index tag = 1; // none
-    double way = std::numeric_limits<double>::infinity();
+    double distance = std::numeric_limits<double>::infinity();
 };
 
 /// The two constrained parts nearest to each node, by distance along edges through free nodes (Dijkstra 1959).
 std::vector<std::array<Near, 2>> NearestParts(const DeformationGraph &graph, const std::vector<Index> &tag) {
-    using Offer = std::tuple<double, Index, Index>; // way, node, tag
+    using Offer = std::tuple<double, Index, Index>; // distance, node, tag
     std::priority_queue<Offer, std::vector<Offer>, std::greater<>> next;
     for (Index i = 0; i < graph.Size(); ++i)
         if (tag[i] != 1)
@@ -34,23 +34,23 @@ std::vector<std::array<Near, 2>> NearestParts(const DeformationGraph &graph, con
     std::vector<std::array<Near, 2>> nearest(std::size_t(graph.Size()));
     const Csr &adjacency = graph.graph.adjacency;
     while (!next.empty()) {
-        const auto [way, i, part] = next.top();
+        const auto [distance, i, part] = next.top();
         next.pop();
         auto &[first, second] = nearest[i];
         if (second.tag != 1 || first.tag == part)
             continue;
-        (first.tag == 1 ? first : second) = {part, way};
+        (first.tag == 1 ? first : second) = {part, distance};
         for (std::uint32_t e = adjacency.begin[i]; e < adjacency.begin[i + 1]; ++e)
             if (const Index j = adjacency.item[e]; tag[j] == 1)
-                next.emplace(way + double(graph.edge.col(e).norm()), j, part);
+                next.emplace(distance + double(graph.edge.col(e).norm()), j, part);
     }
     return nearest;
 }
 
-/// t of WeighFalloff: 0 at a handle, 1 at fixed parts, 1/2 half-way between two handles.
+/// t of WeighFalloff: 0 at a handle, 1 at fixed parts, 1/2 half-distance between two handles.
 double PlaceOf(const std::array<Near, 2> &nearest) {
     const bool isHandleFirst = nearest[0].tag != 0;
-    const double a = nearest[isHandleFirst ? 0 : 1].way, b = nearest[isHandleFirst ? 1 : 0].way;
+    const double a = nearest[isHandleFirst ? 0 : 1].distance, b = nearest[isHandleFirst ? 1 : 0].distance;
     if (b == 0 || !(a < std::numeric_limits<double>::infinity()))
         return 1;
     return b < std::numeric_limits<double>::infinity() ? a / (a + b) : 0;
@@ -59,7 +59,7 @@ double PlaceOf(const std::array<Near, 2> &nearest) {
 /// The exponent of falloffRatio at \p t: -1/2 where the surface is softest, 1/2 where it is stiffest.
 double ExponentAt(double t, Falloff falloff) {
     switch (falloff) {
-    case Falloff::Linear: return 2 * t * (1 - t) - 0.25; // half: what stretches needs none
+    case Falloff::Linear: return 2 * t * (1 - t) - 0.25; // half the exponent: bending needs it, stretching does not
     case Falloff::Sharp: return t - 0.5;
     case Falloff::Constant: return 0.5 - t;
     default: return 0;

@@ -44,20 +44,21 @@ Eigen::Vector3d Arc(const Eigen::Vector3d &turn, const Eigen::Vector3d &speed) {
     return along + detail::Sine(angle) / angle * across + 2 * half * half / angle * axis.cross(across);
 }
 
-/// How a motion takes the center of its handle; the stretch is not of it.
-struct Way {
-    Eigen::Vector3d turn, speed; ///< rotation vector; the speed by which the center begins to turn
-    Eigen::Vector3d straight;    ///< what goes straight beside
+/// The path of a handle's center in a motion, without scaling: an arc, and a straight line added to it.
+struct CenterPath {
+    Eigen::Vector3d turn;     ///< rotation vector of the arc
+    Eigen::Vector3d speed;    ///< derivative of the center at the start of the arc; the whole path takes a time of 1
+    Eigen::Vector3d straight; ///< the straight part
 
-    Way(const Motion &motion, const Eigen::Matrix3d &rotation, const Eigen::Vector3d &center);
+    CenterPath(const Motion &motion, const Eigen::Matrix3d &rotation, const Eigen::Vector3d &center);
 
-    /// How far \p t of the way moves the center where that turns by \p arc meanwhile.
+    /// How far the share \p t of the path moves the center, if it turns by \p arc meanwhile.
     Eigen::Vector3d Moved(double t, const Eigen::Vector3d &arc) const { return Arc(arc, t * speed) + t * straight; }
 };
 
-/// How far two ways turn the center about one axis: 2 a b / (a^2 + b^2), where a and b are the ways from the center to
-/// the nearest places on both axes; 0 where these lie on different sides, or one is at the center, or far.
-double SameAxis(const Way &one, const Way &other) {
+/// How much two paths turn the center about the same axis: 2 a b / (a^2 + b^2), where a and b are the vectors from the
+/// center to the nearest places on both axes. 0 if these lie on different sides, or if one is at the center, or far.
+double SameAxis(const CenterPath &one, const CenterPath &other) {
     const double a = one.turn.squaredNorm(), b = other.turn.squaredNorm();
     const double unit = detail::UnitOf(std::max(one.speed.cwiseAbs().maxCoeff(), other.speed.cwiseAbs().maxCoeff()));
     const Eigen::Vector3d toOne = one.turn.cross(one.speed / unit) * b,
@@ -67,7 +68,7 @@ double SameAxis(const Way &one, const Way &other) {
 }
 
 /// \param rotation of the motion's matrix
-Way::Way(const Motion &motion, const Eigen::Matrix3d &rotation, const Eigen::Vector3d &center) {
+CenterPath::CenterPath(const Motion &motion, const Eigen::Matrix3d &rotation, const Eigen::Vector3d &center) {
     const detail::Turn shortest(rotation);
     const Eigen::Vector3d moved = (motion.matrix * center.homogeneous()).head<3>() - center;
     if (motion.turn.isZero(0)) { // log(rigid) on SE(3)
@@ -78,7 +79,8 @@ Way::Way(const Motion &motion, const Eigen::Matrix3d &rotation, const Eigen::Vec
         speed = (half > 0 ? half * detail::Cosine(half) / detail::Sine(half) : 1) * across - 0.5 * turn.cross(across);
         return;
     }
-    // Axis and angle are those of the matrix, so that the way ends there, but near the identity, which has no axis.
+    // Axis and angle are those of the matrix, so that the path ends at it; near the identity they are those of the
+    // turn.
     const double fullTurn = 2 * detail::pi;
     const double whole = detail::Length(motion.turn);
     Eigen::Vector3d axis = motion.turn / whole;
@@ -126,10 +128,10 @@ Eigen::Matrix4d Motion::At(double percent, const Eigen::Vector3d &center) const 
         return Eigen::Matrix4d::Identity();
     const double t = percent / 100;
     const Polar polar(matrix.topLeftCorner<3, 3>());
-    const Way way(*this, polar.rotation, center);
+    const CenterPath path(*this, polar.rotation, center);
     Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
-    result.topLeftCorner<3, 3>() = detail::RotationBy(t * way.turn) * polar.Stretch(t);
-    result.topRightCorner<3, 1>() = center + way.Moved(t, t * way.turn) - result.topLeftCorner<3, 3>() * center;
+    result.topLeftCorner<3, 3>() = detail::RotationBy(t * path.turn) * polar.Stretch(t);
+    result.topRightCorner<3, 1>() = center + path.Moved(t, t * path.turn) - result.topLeftCorner<3, 3>() * center;
     return result;
 }
 
@@ -148,28 +150,28 @@ void Motion::SetTurn(const Eigen::Vector3d &wholeTurn, const Eigen::Vector3d &po
 Motion Blend(const std::vector<std::pair<Motion, double>> &motions, const Eigen::Vector3d &center) {
     Eigen::Vector3d turn = Eigen::Vector3d::Zero(), moved = Eigen::Vector3d::Zero();
     Eigen::Matrix3d stretch = Eigen::Matrix3d::Zero(); // its logarithm
-    std::vector<std::pair<Way, double>> ways;
+    std::vector<std::pair<CenterPath, double>> paths;
     Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
     for (const auto &[motion, percent] : motions) {
         if (percent == 0)
             continue;
         const double t = percent / 100;
         const Polar polar(motion.matrix.topLeftCorner<3, 3>());
-        if (ways.empty())
+        if (paths.empty())
             matrix = motion.At(percent, center);
-        const Way &way = ways.emplace_back(Way(motion, polar.rotation, center), t).first;
-        turn += t * way.turn;
+        const CenterPath &path = paths.emplace_back(CenterPath(motion, polar.rotation, center), t).first;
+        turn += t * path.turn;
         const Eigen::Vector3d factors = polar.svd.singularValues();
         stretch += t * (polar.svd.matrixV() * factors.unaryExpr(&detail::Logarithm).asDiagonal() *
                         polar.svd.matrixV().transpose());
     }
-    if (ways.size() > 1) {
-        for (const auto &[way, t] : ways) {
-            Eigen::Vector3d arc = t * way.turn;
-            for (const auto &[other, share] : ways)
-                if (&other != &way)
-                    arc += SameAxis(way, other) * share * other.turn;
-            moved += way.Moved(t, arc);
+    if (paths.size() > 1) {
+        for (const auto &[path, t] : paths) {
+            Eigen::Vector3d arc = t * path.turn;
+            for (const auto &[other, share] : paths)
+                if (&other != &path)
+                    arc += SameAxis(path, other) * share * other.turn;
+            moved += path.Moved(t, arc);
         }
         ExpectFinite(Eigen::Matrix4d::Constant(stretch.sum())); // the solver below would not come to an end
         const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(stretch);

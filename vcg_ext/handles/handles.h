@@ -39,7 +39,7 @@ struct Motion {
 
     /// The motion at \p percent of its path. \p center moves along a screw; the rotation has the fraction of the angle,
     /// the scaling is raised to the power of the fraction. With a turn, \p center turns about the pivot's axis by the
-    /// fraction of the turn, and the rest of its way is straight. 0 is the identity, 100 the motion to the bit; the
+    /// fraction of the turn, and the rest of its path is straight. 0 is the identity, 100 the motion to the bit; the
     /// path goes on beyond 100.
     Eigen::Matrix4d At(double percent, const Eigen::Vector3d &center) const;
 
@@ -47,15 +47,19 @@ struct Motion {
     void SetTurn(const Eigen::Vector3d &wholeTurn, const Eigen::Vector3d &point);
 };
 
-/// Several motions of one handle at once, each at \p percent of its way, in no order (after M. Alexa, Linear
-/// Combination of Transformations, 2002): their rotations, along the axes and as long as the angles, with full turns,
-/// add up, and so do the logarithms of what they scale by, and how far each moves \p center, as Motion::At tells, but
-/// that the center also turns by the others on its way, as far as these turn it about the same axis or joint: 2 a b /
-/// (a^2 + b^2) of it for the vectors a and b from the center to the nearest places on both axes, and 0 where their
-/// product is negative. So turns about one axis keep the center on its circle, and neither a shift nor a turn about the
-/// center itself changes the way of another. One motion alone is what At gives. \param motions with percent \param
-/// center of the handle at rest, mesh units \return the blended motion, at 100 percent; parts of it mean nothing \throw
-/// BadInput a number that is no longer finite
+/// Several motions of one handle at once, each at a percentage of its path, in no order (after M. Alexa, Linear
+/// Combination of Transformations, 2002). These add up over the motions:
+/// - the rotation vectors, with full turns;
+/// - the logarithms of the scalings;
+/// - how far each motion moves \p center (Motion::At).
+///
+/// While one motion moves the center, the other motions turn it, too, by a share of their turns: 2 a b / (a^2 + b^2),
+/// or 0 if that is negative, where a and b are the vectors from the center to the nearest places on both axes. So turns
+/// about one axis keep the center on its circle. A shift, or a turn about the center itself, has no share. One motion
+/// alone is what At gives.
+/// \param motions with their percentages \param center of the handle at rest, mesh units
+/// \return the blended motion, whole; only its end is meant: At of less than 100 percent is no blend
+/// \throw BadInput a number is no longer finite
 Motion Blend(const std::vector<std::pair<Motion, double>> &motions, const Eigen::Vector3d &center);
 
 /// A point handle: a single vertex with a given position, where the surface turns freely.

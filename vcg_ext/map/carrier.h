@@ -35,10 +35,11 @@ class Carrier {
     void Apply(Eigen::Matrix3Xd &position, std::vector<Eigen::Matrix3f> *linear = nullptr,
                const Progress &progress = {}) const;
 
-    /// The same for any layout. Calls take(slot, position, linear map) once for each slot that may move in some pose.
-    /// The map is the identity unless \p maps. \param rest rest(slot): its rest position \param taker taker(): a take
-    /// for one range of slots; several threads call it at a time \param ahead ahead(slot): the slot is read soon, for a
-    /// prefetch
+    /// The same for positions in any layout. Calls take(slot, position, linear map) once for each slot that may move in
+    /// some pose. The map is the identity unless \p maps.
+    /// \param rest rest(slot): its rest position, mesh units
+    /// \param taker taker() makes a take for one range of slots; called by several threads at a time
+    /// \param ahead ahead(slot) is called some slots before rest(slot), to prefetch it
     template <class Rest, class Taker, class Ahead>
     void Apply(const Rest &rest, const Taker &taker, bool maps, const Progress &progress, const Ahead &ahead) const {
         ApplyBlocks(
@@ -135,10 +136,12 @@ class Carrier {
         progress(1, stage);
     }
 
-    /// Whether a patch of a region keeps its bits.
+    /// Whether the vertices of a patch keep their bits: nothing moves in its region or, with distances along the
+    /// surface, in its part of the graph. With Euclidean weights, nodes of other parts influence it.
     bool Rests(std::size_t region, Index patch) const {
-        const RegionPose &its = pose.region[region]; // with Euclidean weights, other parts have influence
-        return !its.Moves() || (moving.regions[region]->weights == MappingWeights::Surface && its.graph.rests[patch]);
+        const RegionPose &posed = pose.region[region];
+        return !posed.Moves() ||
+               (moving.regions[region]->weights == MappingWeights::Surface && posed.graph.rests[patch]);
     }
 
     /// The motion of a held vertex, or of a free one at the same position as a held one, mesh units.

@@ -39,7 +39,7 @@ class ConstraintBlend {
                     const DeformationGraph &graph, double fade, const Progress &progress, const ShapeConstants &shape)
         : surface(surface), tag(tag), patches(patches), graph(graph), shape(shape) {
         FindHeldNearby(fade, progress.Slice(0, 0.9));
-        FindWaysAway(fade, progress.Slice(0.9, 1));
+        FindAway(fade, progress.Slice(0.9, 1));
     }
 
     std::vector<Index> heldTag;     ///< the tags of the held regions that have a free neighbour, ascending
@@ -154,7 +154,7 @@ class ConstraintBlend {
             float distance;
             Index node, source, held;
         };
-        static constexpr std::size_t classes = 256; // of distance; within one, the order does not matter
+        static constexpr std::size_t classes = 256; // of distance, nearest first; the order within one does not matter
 
         /// Prefetches what the next offers need: they are far apart in memory.
         void LookAhead(const std::vector<Offered> &offers, std::size_t i) {
@@ -258,7 +258,7 @@ class ConstraintBlend {
 
     /// Sets Held::away: the direction into the free surface, blended over the held patches nearby, so that it turns
     /// smoothly along the border.
-    void FindWaysAway(double fade, const Progress &progress) {
+    void FindAway(double fade, const Progress &progress) {
         const Index k = graph.Size();
         std::vector<Index> border;
         Eigen::Matrix3Xf inward = Eigen::Matrix3Xf::Zero(3, k);
@@ -290,7 +290,7 @@ class ConstraintBlend {
                 nearby[j].push_back(border[std::size_t(i)]);
             std::sort(nearby[j].begin(), nearby[j].end(), isBefore);
         }
-        // Vertices with the same patches are computed lanes at a time, in vector registers.
+        // Vertices of one patch and tag see the same held patches: they are computed together, in vector registers.
         constexpr std::size_t lanes = 8;
         struct Seen {
             std::uint64_t view; // patch and tag

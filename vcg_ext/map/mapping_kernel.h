@@ -29,9 +29,9 @@ struct Blending {
     const Ball *ball;           ///< n, of the candidates' weights
     const float (*term)[terms]; ///< n
     std::size_t n;              ///< candidates
-    std::size_t whole;          ///< the first so many have their whole weight, others a share of it,
-    const Ball *shareBall;      ///< m: blended by these balls
-    const float *share;         ///< (n - whole) x m: shares at the balls' centres
+    std::size_t whole;          ///< the first so many candidates have their whole weight; others have a share of it
+    const Ball *shareBall;      ///< m, of the weights by which shares are blended
+    const float *share;         ///< (n - whole) x m: the share of each other candidate at the centre of each of these
     std::size_t m;
     alignas(64) float x[3][lanes]; ///< the vertices
     /// Room for n rows, out: the weights of candidates active[0] ... active[used - 1], ascending. All others have

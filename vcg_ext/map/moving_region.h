@@ -20,7 +20,7 @@ namespace vcg::fcd {
 
 /// How a pose was reached.
 struct PoseWay {
-    int steps = 1;         ///< poses solved, each from the one before; this is the last
+    int steps = 1;         ///< number of poses that were solved, each from the one before; this pose is the last
     bool jumps = false;    ///< the shape jumps to another one on the way, instead of changing continuously
     bool unstable = false; ///< the pose is a saddle of the energy: a small push would make it buckle
 };

@@ -15,9 +15,9 @@ namespace vcg::fcd {
 
 namespace {
 
-// Share of its stretch by which a map is drawn to the common motion of the handles. It decides only what smoothness
-// leaves open: how a plane moves across itself, or all of the map if handles are few. The softest bend costs 10^5 times
-// as much.
+// Weight of the term that draws each map to the common motion of the handles, over that of its stretch. It decides only
+// what the other terms leave open: how a plane moves across itself, or the whole map if handles are few. The softest
+// bend costs 10^5 times as much.
 constexpr double leastStay = 1e-7;
 
 constexpr const char *stage = "Deforming the graph";

@@ -45,7 +45,8 @@ class GraphDeformer {
     /// \param heldArea k values, or empty for 0: held area behind a compliant node, frame units^2; infinite
     ///        for a region that goes on
     /// \param heldDepth as in ShapeConstants
-    /// \param solver if its steps are quasi-Newton ones: its smoothness is that of poses to be found in such steps
+    /// \param solver if it asks for quasi-Newton steps, they are prepared for its smoothness; poses with another
+    ///        smoothness get local and global steps
     /// \throw Unsolvable when the system cannot be factorised, or takes too long \throw Cancelled
     GraphDeformer(const DeformationGraph &graph, const std::vector<bool> &constrained, double area,
                   const std::vector<bool> &compliant = {}, const std::vector<double> &heldArea = {},
@@ -122,10 +123,10 @@ class GraphDeformer {
     /// \param goesOn whether it begins at another pose, not at rest
     void Follow(const PoseTerms &poseTerms, const SolverParam &param, bool goesOn, State &state, GraphPose &pose,
                 const Progress &progress) const {
-        const int quick = 40;      // quasi-Newton steps: 7 to 30 do
-        const int few = 100;       // local and global ones: 20 to 80 do
-        const double nearby = 2;   // radian: a guess is off by less, and a shape that has let go of a full turn by more
-        const double least = 0.01; // of the energy: by less it falls where the shape has hardly begun to give way
+        const int quick = 40;      // quasi-Newton steps: a stable shape needs 7 to 30
+        const int few = 100;       // local and global steps: a stable shape needs 20 to 80
+        const double nearby = 2;   // radians: a guess is off by less, a shape that lost a full turn by more
+        const double least = 0.01; // share of the energy: a shape that hardly begins to buckle loses less
         const State begin = state;
         const auto isNear = [&](const State &x) { return !goesOn || LargestTurn(begin, x) <= nearby; };
         const auto upTo = [&](int steps) { return std::min(param.maxIterations, pose.iterations + steps); };
@@ -142,7 +143,7 @@ class GraphDeformer {
             return;
         State stationary = state;
         detail::GraphNewton newton = NewtonOf(poseTerms, param);
-        // From where the steps led, if that was not down another way; otherwise from where they began.
+        // From rest, look near where the steps ended. If nothing is there, or after another pose, look near the start.
         pose.followed = !goesOn &&
                         newton.FindStationary(param.maxIterations, stationary, pose, progress.Slice(0.4, 0.6)) &&
                         stationary.energy <= (1 + least) * state.energy;
@@ -167,18 +168,20 @@ class GraphDeformer {
     }
     double Still(const SolverParam &param) const { return 10 * param.tolerance * Diagonal(); }
 
-    /// Takes steps downwards until \p state is at rest, or there were \p most: quasi-Newton ones, or local and global
-    /// ones where \p param asks for these, or there is no Hessian. Counts them in \p pose. Where \p param follows, it
-    /// ends when quasi-Newton steps have not become shorter for a while: then the shape gives way.
+    /// Takes steps that lower the energy until \p state is at rest. The steps are quasi-Newton ones if \p param asks
+    /// for them and there is a Hessian, else local and global ones. Counts them in pose.iterations, up to \p most. With
+    /// SolverParam::follow, it also ends if quasi-Newton steps do not get shorter for a while: the shape gives way
+    /// then.
     void Minimise(const PoseTerms &poseTerms, const SolverParam &param, int most, State &state, GraphPose &pose,
                   const Progress &progress) const {
         // If each step is rho times the one before it, 1 / (1 - rho) times the step is left in all.
         const Eigen::Matrix3Xd rest = graph.graph.position.cast<double>();
         const double still = Still(param), rounding = Rounding(rest, state),
                      noise = rounding * energy.Weight() / double(unknown.rotation.size());
-        // A turn that is spread over all that is free shrinks by about this share in a local and global step. So slow,
-        // as over a path much longer than wide, it does not show in the steps' lengths after the 20 or more that others
-        // take to come to rest: accelerated ones see down to the square of one over their number.
+        // The smoothest error, a turn spread over all free surface, shrinks by the share alpha A * spread in a local
+        // and global step. n accelerated steps show shares down to 1 / n^2, and 20 steps are the fewest to come to
+        // rest. If the share is less, as on a path much longer than wide, short steps do not tell that the shape is at
+        // rest.
         const double slowest = 1.0 / (20 * 20);
         const int patience = 5; // steps; with more, a pressed sheet gives way before
         const bool isQuasi = IsQuasiNewton(param), isSlow = !isQuasi && param.smoothness * area * spread < slowest;
@@ -208,7 +211,8 @@ class GraphDeformer {
             }
             longer = moved < 0.9 * shortest ? 0 : longer + 1;
             shortest = std::min(shortest, moved);
-            // The accelerated step, where it lowers the energy, or the plain one; a local and a global one always does.
+            // Take the accelerated step if it lowers the energy, else the plain one. A local and global step always
+            // does.
             Pack(state, here);
             Pack(stepped, after);
             anderson.Mix(here, after);

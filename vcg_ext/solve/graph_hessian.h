@@ -37,20 +37,21 @@ class GraphHessian {
         for (std::size_t b = 0; b < unknown.rotation.size(); ++b)
             hessian.diagonal[b].bottomRightCorner<3, 3>().diagonal().array() += energy.Stay(unknown.rotation[b]);
     }
-    /// \param limit multiplications \return whether no more are needed, and it could be factorised \throw Cancelled
+    /// Factorises the matrix. \param limit the most multiplications \return false: it would take more, or the matrix is
+    /// singular \throw Cancelled
     bool Factorise(const Progress &progress, double limit) {
         if (!isAnalysed)
             isWorthwhile = factor.Analyse(hessian, limit);
         isAnalysed = true;
         return isWorthwhile && factor.Factorise(hessian, progress, "Deforming the graph");
     }
-    /// As many as are worth it where one could do without.
+    /// A limit for Factorise: the most multiplications that are worth it if local and global steps would also do.
     double Worthwhile() const { return SparseFactor::Worthwhile(width * Eigen::Index(unknown.rotation.size())); }
 
     /// Frees what is not needed to solve. \pre Factorise
     void DropMatrix() { hessian = {}; }
 
-    /// How many directions there are in which the energy falls off to both sides.
+    /// The number of negative eigenvalues: 0 at a minimum, more at a saddle.
     Index Falling() const { return factor.Negative(); }
 
     Eigen::VectorXd Solve(const Eigen::VectorXd &right) const { return factor.Solve(right); }
@@ -69,16 +70,16 @@ class GraphHessian {
             x.quaternion[i] = q.dot(x.quaternion[i]) < 0 ? Eigen::Vector4d(-q) : q;
         }
     }
-    /// Radians.
-    /// Shortens \p step to turns that the quadratic model is good for.
+    /// Shortens \p step to turns for which the quadratic model still holds.
     void Limit(Eigen::VectorXd &step) const {
         const double farthest = 0.5; // radians
         step *= std::min(1.0, farthest / LargestTurn(step));
     }
+    /// The largest turn of a node in \p step, radians.
     double LargestTurn(const Eigen::VectorXd &step) const {
         return Largest(unknown.rotation, [&](Index i) { return Turned(step, i).norm(); });
     }
-    /// Of nodes whose position is given.
+    /// The same of compliant nodes alone: their positions are given, their rotations are not.
     double LargestTurnOfGiven(const Eigen::VectorXd &step) const {
         return Largest(unknown.rotation, [&](Index i) { return unknown.constrained[i] ? Turned(step, i).norm() : 0; });
     }

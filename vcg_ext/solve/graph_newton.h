@@ -57,14 +57,14 @@ class GraphNewton {
             hessian.Limit(limited);
             if (std::max(hessian.LargestMove(limited), hessian.LargestTurnOfGiven(limited) * edgeLength) <= still)
                 return true;
-            // Where the edges leave a turn open, a step may be as long as it likes, and is nothing but rounding.
+            // If the edges leave a turn open, a long step may be rounding alone. Then the energy hardly falls.
             const double most = limited.cwiseAbs().maxCoeff();
             if (-gradient.dot(limited) <= 64 * std::numeric_limits<double>::epsilon() * mass * most)
                 return true;
             if (hessian.Falling() > 0)
                 return false;
             State moved;
-            const int halvings = 6; // where the quadratic is good for less, the other steps go on
+            const int halvings = 6; // if that is not enough, the other steps go on
             for (int half = 0;; ++half, limited *= 0.5) {
                 moved = state;
                 hessian.Move(moved, limited);

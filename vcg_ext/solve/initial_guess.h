@@ -30,8 +30,8 @@ inline GraphEnergy::State InitialGuess(const DeformationGraph &graph, const Grap
     if (last)
         for (Index i = 0; i < k; ++i)
             rotation[i] = RotationOf(last->linear[i]);
-    // Interpolate the differences from the first node's motion, so that the solution's rounding, large where a node
-    // hardly hangs on the others, does not touch what all motions have in common.
+    // Interpolate the differences from the first node's motion. The solution's rounding is large where a node is hardly
+    // connected; so it does not touch what all motions have in common.
     Eigen::MatrixXd change = Eigen::MatrixXd::Zero(k, 12);
     Matrix34d common = Matrix34d::Identity();
     bool isFirst = true;

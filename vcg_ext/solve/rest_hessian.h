@@ -15,9 +15,9 @@
 
 namespace vcg::fcd::detail {
 
-/// The Hessian of the energy at rest, factorised once. In the frames of the nodes, which turn with them, it is about
-/// that of any pose (Mueller et al. 2002, stiffness warping), so that quasi-Newton steps by it come to rest after some
-/// ten (Liu et al. 2017).
+/// The Hessian of the energy at rest, factorised once. In frames that turn with the nodes, the Hessian of any pose is
+/// about the same (Mueller et al. 2002, stiffness warping). So some ten quasi-Newton steps by it reach rest (Liu et al.
+/// 2017).
 class RestHessian {
   public:
     using State = GraphEnergy::State;
@@ -26,7 +26,7 @@ class RestHessian {
     RestHessian(const DeformationGraph &graph, const GraphEnergy &energy, const GraphUnknowns &unknown, double smooth,
                 const Progress &progress = {})
         : energy(energy), unknown(unknown), hessian(unknown) {
-        // A second. A surface has some 30 thousand nodes then, and a hundred local and global steps take as long.
+        // About a second, for some 30 thousand nodes of a surface. A hundred local and global steps take as long.
         const double limit = 4e9;
         const std::size_t k = std::size_t(graph.Size());
         const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
@@ -43,8 +43,8 @@ class RestHessian {
     /// Whether it could be factorised, in a time that is worth it.
     bool IsThere() const { return isThere; }
 
-    /// Goes a step on from \p x. \param y out \param noise what a gradient is off by, by rounding
-    /// \return whether the step is more than that
+    /// Takes a step. \param x the state before \param noise rounding error of the gradient \param y out: the state
+    /// after \return false: the step is no more than rounding
     bool Step(const State &x, const GraphEnergy::PoseTerms &poseTerms, double noise, State &y) const {
         const Eigen::VectorXd gradient = energy.Gradient(x, poseTerms);
         Eigen::VectorXd step = gradient;

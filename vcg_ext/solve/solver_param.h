@@ -19,11 +19,11 @@ struct SolverParam {
     /// Anderson's acceleration. Without it, steps are the paper's, and end when one moves no node by more than the
     /// tolerance times the diagonal.
     bool accelerated = true;
-    /// Whether these are quasi-Newton steps by the Hessian at rest. If not, they are local and global ones: five times
-    /// as many, in which it takes a shape longer to give way.
+    /// Whether the accelerated steps are quasi-Newton ones, by the Hessian at rest. If not, they are local and global
+    /// ones: five times as many are needed, and a shape takes longer to buckle.
     bool quasiNewton = true;
-    /// Whether the pose comes to rest near where it begins, stable or not, instead of at any place of less energy. If
-    /// it comes to rest soon, the bits are the same.
+    /// Whether the pose comes to rest near where it begins, at a minimum or a saddle. If not, it goes down to any
+    /// minimum. A pose that comes to rest soon has the same bits in both ways.
     bool follow = false;
 
     /// Whether poses begin with quasi-Newton steps.

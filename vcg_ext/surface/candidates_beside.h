@@ -115,7 +115,7 @@ std::vector<std::uint32_t> CandidatesBeside(const Region &region, std::size_t pa
                                             const At &at, const InFrame &inFrame, const Eigen::AlignedBox3f &box,
                                             float hair, const Progress &progress) {
     const std::size_t slots = region.flag.size();
-    // Cells so wide that a point's hair mostly lies in one, and so narrow that few other points do.
+    // Cells 20 hairs wide: the hair of a point mostly touches one cell, and few other points share it.
     const float cells = hair > 0 ? 0.05f / hair : 1e6f;
     // First leave out boxes of candidates that are far from all parts: by more than cells, hair and rounding.
     const Eigen::Vector3f reach =
@@ -135,8 +135,8 @@ std::vector<std::uint32_t> CandidatesBeside(const Region &region, std::size_t pa
         return ofPart ? region.flag[i] == Region::part
                       : region.flag[i] == Region::candidate && isNear[i / Region::boxed];
     };
-    // All cells of the smaller side, parts or candidates; then the points of the other side in these cells; then the
-    // points of the smaller side in the cells of those.
+    // First list the cells of the fewer ones, parts or candidates. Of the others, keep those in these cells. Then keep
+    // of the fewer ones those in the cells of what was kept.
     const bool partsFirst = parts <= candidates;
     CellSet first(std::min(parts, candidates));
     CoarseCells coarse(near);

@@ -20,8 +20,8 @@ namespace vcg::fcd::detail {
 /// one direction is sampled two or three times as densely as the other.
 constexpr int cloudNeighbours = 12;
 
-/// Finds the neighbours of one point of a cloud after the other. It looks at so many points that they lie on all sides:
-/// in scan lines, which are denser along than across, the nearest points are on one line and tell nothing about the
+/// Finds the neighbours of a cloud's points, one point at a time. It looks at more points until they lie on all sides.
+/// In scan lines, which are denser along than across, the nearest points are on one line and tell nothing of the
 /// surface.
 template <class Scalar>
 class CloudNeighbourhood {
@@ -152,8 +152,9 @@ class CloudNeighbourhood {
         return inBlock;
     }
 
-    /// More than cloudNeighbours. Mostly few points need them, which ask alone; but where they lie along lines, nearly
-    /// all do. So after one that needed as many, it asks for the rest of the block at once.
+    /// The \p wanted nearest points, more than cloudNeighbours. In most clouds few points need so many, and one point
+    /// is searched for alone. In scan lines nearly all need them: so if the point before needed as many, the rest of
+    /// its block is searched for at once.
     const NearestOthers<Scalar> &Wide(std::size_t wanted) {
         const std::size_t block = points.BlockOf(at);
         const bool follows = lastWide < at && points.BlockOf(lastWide) == block && lastWanted >= wanted;

@@ -62,9 +62,9 @@ class CloudParts {
     }
 
     /// The slots of the points in the cells of \p some points and in rings of cells around, ascending.
-    /// \param reach in, out; all points within this distance of \p some are there, world units; 0 is set to what is
-    /// mostly enough for \p wanted points around each, and others grow to whole cells, or to infinity if all points are
-    /// there
+    /// \param reach in: all points within this distance of \p some are asked for, world units; 0: a distance that
+    /// mostly holds \p wanted points around each \param reach out: the distance that the cells do cover, at least that;
+    /// infinity if they hold all points
     std::vector<std::uint32_t> Around(const std::vector<std::uint32_t> &some, std::size_t wanted, double &reach) const {
         Eigen::AlignedBox3i own;
         for (std::uint32_t i : some)

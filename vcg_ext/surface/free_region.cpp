@@ -70,7 +70,7 @@ class RegionFinder {
         region.reach = isPart ? INFINITY : 0;
         if (n < 2 || ofFree.isEmpty())
             return;
-        // Strays go to the outermost cells, or all others would share a few cells.
+        // The box is that without strays, and these go to its outermost cells. Else all others would share a few cells.
         const auto at = [&](std::size_t k) -> Eigen::Vector3d {
             return given * mesh.At(detail::SlotOf(k, chunks.begin, isLive));
         };
@@ -301,7 +301,7 @@ class RegionFinder {
 
     static constexpr std::size_t grain = detail::VertexChunks::grain;
     static_assert(grain % Region::boxed == 0, "one thread a box");
-    // The state of a vertex: three flags, and its tag times few (many for this tag and all above), to look up few tags.
+    // The state of a vertex: three flags, and above them its tag (times few); tags from `many` on share one value.
     static constexpr unsigned char live = 1, free = 2, reached = 4, few = 8, many = 31, all = 255;
 
     unsigned char Is(std::size_t i, unsigned char what) const {

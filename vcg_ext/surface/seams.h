@@ -23,11 +23,9 @@ struct Seams {
 };
 
 /// Finds the nodes on open borders to weld: those within \p distance of each other, if one of them is free or both are
-/// held by one tag. (Without the latter, in a surface of single triangles each corner at the border of what is held
-/// would be a single node.)
-/// \param open n flags: nodes on open borders \param tag as of SurfaceGraph
-/// \param distance units of the graph's positions, >= 0
-/// \param beside n flags, or empty: nodes that are welded to free ones only
+/// held by one tag. (If held ones were not welded, a held region of unwelded triangles would have single nodes along
+/// its border.) \param open n flags: nodes on open borders \param tag as of SurfaceGraph \param distance units of the
+/// graph's positions, >= 0 \param beside n flags, or empty: nodes that are welded to free ones only
 inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const std::vector<Index> &tag,
                        double distance, const Progress &progress = {}, const std::vector<char> &beside = {}) {
     Seams seams;

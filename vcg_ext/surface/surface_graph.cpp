@@ -75,7 +75,7 @@ class SurfaceReader {
     }
     Eigen::Vector3f InFrame(std::size_t i) const { return InFrame(s.frame.ToWorld(mesh.At(i))); }
 
-    /// Adds the candidates that may be at a part, or a hair from it.
+    /// Finds the held vertices that may be at the position of a vertex of the region, or a hair from it: `beside`.
     void FindBeside() {
         if (!region)
             return;
@@ -87,7 +87,7 @@ class SurfaceReader {
             *region, Live(), candidates, [&](std::size_t i) { return InFrame(i); },
             [&](const Eigen::Vector3d &p) { return InFrame(s.frame.ToWorld(p)); },
             {InFrame(chunks.box.min()), InFrame(chunks.box.max())}, hair, progress.Slice(0.05, 0.06));
-        if (found.empty()) // mostly
+        if (found.empty()) // in most meshes
             return;
         beside.assign(slots, 0);
         for (std::uint32_t i : found)
@@ -105,7 +105,7 @@ class SurfaceReader {
                     welder.Put(at++, i, InFrame(i));
         });
         welder.Sort(progress.Slice(0.1, 0.2));
-        // With seams, FindSeams decides which vertices beside stay.
+        // With seams, FindSeams decides which vertices of `beside` stay.
         welder.FindNodes([&](std::size_t i) { return !hasSeams && IsBeside(i); }, progress.Slice(0.2, 0.3));
         s.report.welded = Index(welder.Kept()) - welder.Nodes();
         AssignLarge(s.slots, welder.Kept(), std::uint32_t(0));
@@ -150,8 +150,8 @@ class SurfaceReader {
         }
     }
 
-    /// Flags of nodes that have vertices beside alone: these stay only if a seam welds them. Empty: none. Leaves their
-    /// vertices out of the count of welded ones.
+    /// Flags of nodes with vertices of `beside` alone: such a node stays only if a seam welds it to another one. Empty:
+    /// none. Leaves their vertices out of the count of welded ones.
     std::vector<char> NodesBeside() {
         std::vector<char> near;
         if (beside.empty())
@@ -168,7 +168,7 @@ class SurfaceReader {
         return near;
     }
 
-    /// Welds nodes on open borders a hair apart, and leaves out nodes beside that are welded to none.
+    /// Welds nodes on open borders a hair apart, and drops nodes of `beside` that are welded to no other one.
     /// \param open flags as of TriangleGraph
     /// \param list renumbered as the nodes; triangles with held nodes only become points
     /// \return whether nodes were dropped: then the triangles have to be connected again

@@ -36,9 +36,9 @@ struct SurfaceReport {
     bool pointCloud = false;    ///< no faces and no edges: neighbours are the nearest points on all sides
 };
 
-/// Whether it is a cloud of lines with points so dense that many do not see the next line.
+/// Whether it is a cloud of scan lines so dense along that many points have neighbours on their own line alone.
 inline bool IsInLines(const SurfaceReport &surface) {
-    return 100 * std::int64_t(surface.oneSided) > surface.vertices; // by chance, far fewer
+    return 100 * std::int64_t(surface.oneSided) > surface.vertices; // evenly random points: far fewer
 }
 
 /// The graph of a mesh's vertices, or of its free surface and the held vertices beside it: a node per position, in
@@ -47,7 +47,7 @@ struct SurfaceGraph {
     Graph graph;                      ///< n nodes, frame units
     Frame frame;                      ///< from mesh units
     std::vector<Index> nodeOf;        ///< node of each vertex slot; -1: deleted, or not read
-    std::vector<std::uint32_t> slots; ///< the slots with a node (a few may have lost it), neighbours close together
+    std::vector<std::uint32_t> slots; ///< the slots that were read, near ones together; a few may have no node
     std::vector<std::uint32_t> faces; ///< indices of faces with a free vertex; empty without a region
     std::vector<std::array<std::uint32_t, 2>> apart; ///< ends (slots) of edges between vertices held by different tags
     std::vector<Index> tag;      ///< n: 0 fixed or outside, 1 free, from 2 handles; empty without a region
