@@ -214,17 +214,26 @@ nb::tuple Posed::map(const Rows &points, const std::optional<Rows> &normals, con
     const double *from = points.data(), *direction = normals ? normals->data() : nullptr;
     Listener::Run(report, prepared->threads, [&](const Progress &progress) {
         const vcg::fcd::NearestPlace &places = prepared->places(progress.Slice(0, 0.3));
-        forInSpaceOrder(from, n, prepared->box, progress.Slice(0.3, 1), "Mapping points",
-                        [&](std::size_t i, vcg::fcd::NearestPlace::Hint &hint) {
-                            const Eigen::Vector3d p = rowOf(from, i);
-                            Eigen::Matrix3f linear = Eigen::Matrix3f::Identity();
-                            const bool isPlace =
-                                p.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= 1e100; // as of DeformationField
-                            rowOf(moved, i) =
-                                isPlace ? Eigen::Vector3d(p + carrier->Displacement(places(p, hint), p, linear)) : p;
-                            if (direction)
-                                rowOf(turned, i) = turnedNormal(linear, rowOf(direction, i));
-                        });
+        forRangesInSpace(from, n, prepared->box, progress.Slice(0.3, 1), "Mapping points",
+                         [&](const std::vector<std::size_t> &numbers, vcg::fcd::NearestPlace::Hint &hint) {
+                             std::vector<vcg::fcd::SurfacePlace> place(numbers.size());
+                             std::vector<Eigen::Vector3d> p, displacement;
+                             std::vector<Eigen::Matrix3f> linear;
+                             for (std::size_t k = 0; k < numbers.size(); ++k) {
+                                 p.push_back(rowOf(from, numbers[k]));
+                                 if (p[k].cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= 1e100) // as of DeformationField
+                                     place[k] = places(p[k], hint);
+                             }
+                             carrier->Displacements(place, p, displacement, linear);
+                             for (std::size_t k = 0; k < numbers.size(); ++k) {
+                                 const bool isPlace = place[k].count > 0;
+                                 rowOf(moved, numbers[k]) = isPlace ? Eigen::Vector3d(p[k] + displacement[k]) : p[k];
+                                 if (direction)
+                                     rowOf(turned, numbers[k]) = turnedNormal(
+                                         isPlace ? linear[k] : Eigen::Matrix3f(Eigen::Matrix3f::Identity()),
+                                         rowOf(direction, numbers[k]));
+                             }
+                         });
     });
     return nb::make_tuple(positions, others);
 }

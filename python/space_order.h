@@ -11,15 +11,17 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
+#include <vector>
 
-/// Calls body(i, hint) for each of \p n points, by all threads, in an order in which neighbours in space follow each
-/// other. Their lookups then hit the processor's cache, which halves the time. Results do not depend on the order. The
-/// hint is that of the point before. \param box of the surface; farther points are sorted as if on the sides of a cube
-/// twice as wide
+/// Calls body(numbers, hint) for some hundreds at a time of \p n points, by all threads, in an order in which
+/// neighbours in space follow each other. Their lookups then hit the processor's cache, which halves the time. Results
+/// do not depend on the order. The hint is for the body, from one point to the next. \param box of the surface; farther
+/// points are sorted as if on the sides of a cube twice as wide
 template <class Body>
-void forInSpaceOrder(const double *points, std::size_t n, const Eigen::AlignedBox3d &box,
-                     const vcg::fcd::Progress &progress, const char *stage, const Body &body) {
+void forRangesInSpace(const double *points, std::size_t n, const Eigen::AlignedBox3d &box,
+                      const vcg::fcd::Progress &progress, const char *stage, const Body &body) {
     constexpr std::size_t block = 1 << 22, grain = 1 << 12; // a block needs 64 MB of memory at most
+    constexpr std::size_t together = 512;                   // what is kept of them fits into the processor's cache
     const double size = std::max(box.sizes().maxCoeff(), std::numeric_limits<double>::min());
     const Eigen::Vector3d center = 0.5 * box.min() + 0.5 * box.max();
     for (std::size_t begin = 0; begin < n; begin += block) {
@@ -39,16 +41,30 @@ void forInSpaceOrder(const double *points, std::size_t n, const Eigen::AlignedBo
         vcg::fcd::detail::RadixSortUpper30(items, count, sorting);
         vcg::fcd::ParallelFor(progress.Slice(from, to), stage, count, grain, [&](std::size_t first, std::size_t last) {
             vcg::fcd::NearestPlace::Hint hint;
-            const auto number = [&](std::size_t i) { return begin + std::size_t(items[i] & 0xFFFFFFFF); };
+            std::vector<std::size_t> numbers;
             for (std::size_t i = first; i < last; ++i) {
-#ifdef __GNUC__
-                if (i + 8 < last) // the processor cannot foresee the address: saves a tenth of the time
-                    __builtin_prefetch(points + 3 * number(i + 8));
-#endif
-                body(number(i), hint);
+                numbers.push_back(begin + std::size_t(items[i] & 0xFFFFFFFF));
+                if (numbers.size() == together || i + 1 == last) {
+                    body(numbers, hint);
+                    numbers.clear();
+                }
             }
         });
     }
+}
+
+/// The same with body(i, hint) for each point.
+template <class Body>
+void forInSpaceOrder(const double *points, std::size_t n, const Eigen::AlignedBox3d &box,
+                     const vcg::fcd::Progress &progress, const char *stage, const Body &body) {
+    forRangesInSpace(points, n, box, progress, stage,
+                     [&](const std::vector<std::size_t> &numbers, vcg::fcd::NearestPlace::Hint &hint) {
+                         for (std::size_t i = 0; i < numbers.size(); ++i) {
+                             // The processor cannot foresee the address: saves a tenth of the time.
+                             vcg::fcd::Prefetch(points + 3 * numbers[std::min(i + 8, numbers.size() - 1)]);
+                             body(numbers[i], hint);
+                         }
+                     });
 }
 
 #endif

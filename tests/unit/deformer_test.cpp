@@ -173,8 +173,15 @@ TEST(Deformer, CarriesPointsThatAreBoundToItOnce) {
         Matrix3Xd position = rig.rest;
         carrier.Apply(position);
         Eigen::Matrix3f map;
+        std::vector<Vector3d> from, ways;
+        std::vector<Eigen::Matrix3f> maps;
+        for (std::size_t i = 0; i < bound.size(); ++i)
+            from.emplace_back(point.col(Eigen::Index(i)));
+        carrier.Displacements(bound, from, ways, maps);
         for (std::size_t i = 0; i < bound.size(); ++i) {
             const Vector3d p = point.col(Eigen::Index(i)), way = carrier.Displacement(bound[i], p, map);
+            EXPECT_EQ(ways[i], way);
+            EXPECT_EQ(maps[i], map);
             Vector3d expected = Vector3d::Zero();
             if (i < triangle.size()) {
                 bool isFixed = true;

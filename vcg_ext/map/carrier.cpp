@@ -2,6 +2,8 @@
 #include <vcg_ext/base/rotation_fit.h>
 #include <vcg_ext/map/carrier.h>
 
+#include <algorithm>
+
 namespace vcg::fcd {
 
 namespace {
@@ -59,6 +61,52 @@ Eigen::Vector3d Carrier::Displacement(const SurfacePlace &place, const Eigen::Ve
         linear += float(place.weight[k]) * each;
     }
     return displacement;
+}
+
+void Carrier::Displacements(const std::vector<SurfacePlace> &place, const std::vector<Eigen::Vector3d> &p,
+                            std::vector<Eigen::Vector3d> &displacement, std::vector<Eigen::Matrix3f> &linear) const {
+    // Each corner of each place is mapped. Free ones of one patch are mapped together.
+    struct Corner {
+        std::size_t region;
+        Index patch, node;
+        std::size_t point, at; // at: in moved and map
+        bool operator<(const Corner &o) const { return region != o.region ? region < o.region : patch < o.patch; }
+    };
+    std::vector<Corner> free;
+    std::vector<Eigen::Vector3d> moved;
+    std::vector<Eigen::Matrix3f> map;
+    for (std::size_t s = 0; s < place.size(); ++s)
+        for (int k = 0; k < place[s].count; ++k) {
+            const auto slot = std::size_t(place[s].slot[k]);
+            const MovingSurface::Place at = moving.At(slot);
+            map.push_back(Eigen::Matrix3f::Identity());
+            moved.push_back(p[s]);
+            if (!moves || moving.slotTag[slot] == noVertex || !at.region || !at.region->IsFree(at.node))
+                moved.back() = (*this)(slot, p[s], map.back());
+            else if (const Index patch = at.region->patches.patchOf[at.node]; !Rests(at.number, patch))
+                free.push_back({at.number, patch, at.node, s, moved.size() - 1});
+        }
+    std::stable_sort(free.begin(), free.end());
+    GraphMapping::Posed::Scratch scratch;
+    for (std::size_t i = 0, next; i < free.size(); i = next) {
+        Index node[detail::lanes];
+        for (next = i; next < std::min(free.size(), i + detail::lanes) && !(free[i] < free[next]); ++next) {
+            node[next - i] = free[next].node;
+            scratch.vertices.SetRest(int(next - i), p[free[next].point]);
+        }
+        mapped[free[i].region]->Map(node, int(next - i), true, scratch);
+        for (std::size_t c = i; c < next; ++c) {
+            moved[free[c].at] = scratch.vertices.Moved(int(c - i));
+            map[free[c].at] = scratch.vertices.Linear(int(c - i));
+        }
+    }
+    displacement.assign(place.size(), Eigen::Vector3d::Zero());
+    linear.assign(place.size(), Eigen::Matrix3f::Zero());
+    for (std::size_t s = 0, at = 0; s < place.size(); ++s)
+        for (int k = 0; k < place[s].count; ++k, ++at) {
+            displacement[s] += place[s].weight[k] * (moved[at] - p[s]);
+            linear[s] += float(place[s].weight[k]) * map[at];
+        }
 }
 
 void Carrier::Apply(Eigen::Matrix3Xd &position, std::vector<Eigen::Matrix3f> *linear, const Progress &progress) const {

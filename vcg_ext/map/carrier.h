@@ -29,6 +29,11 @@ class Carrier {
     /// units \return mesh units; exactly 0 if nothing moves at the place
     Eigen::Vector3d Displacement(const SurfacePlace &place, const Eigen::Vector3d &p, Eigen::Matrix3f &linear) const;
 
+    /// The displacements of several points, with the same bits, in a fraction of the time where they lie near each
+    /// other. \param place, p of each \param displacement, linear out, as of Displacement
+    void Displacements(const std::vector<SurfacePlace> &place, const std::vector<Eigen::Vector3d> &p,
+                       std::vector<Eigen::Vector3d> &displacement, std::vector<Eigen::Matrix3f> &linear) const;
+
     /// Deforms all vertices. Held ones are exact, and fixed ones keep their bits. \param position 3 x vertex slots,
     /// mesh units; in: at rest, out: deformed \param linear if not null, out: the linear map of the surface at each
     /// vertex slot, mesh units
