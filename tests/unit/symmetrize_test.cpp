@@ -9,7 +9,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -89,6 +92,41 @@ TEST(SmoothWarp, ComesBackAndKnowsItsSlope) {
     const Eigen::Vector3d p(1.5, -0.7, 0.9), step(1e-6, 2e-6, -1e-6);
     EXPECT_LT((warp.Back(warp.At(p), warp.At(p)) - p).norm(), 1e-12);
     EXPECT_LT((warp.At(p + step) - warp.At(p) - warp.LinearAt(p) * step).norm(), 1e-11);
+}
+
+TEST(SmoothWarp, RestsWhereNoiseIsLeft) {
+    // Places that stray as far as their neighbours are apart: matches with the nearest target go on changing.
+    std::uint32_t state = 1;
+    const auto random = [&state] {
+        Eigen::Vector3d p;
+        for (int d = 0; d < 3; ++d) {
+            state = 1664525 * state + 1013904223;
+            p[d] = double(state >> 8) / (1 << 24);
+        }
+        return p;
+    };
+    std::vector<Eigen::Vector3d> target(300);
+    std::generate(target.begin(), target.end(), random);
+    WarpGoal goal;
+    goal.place.resize(150);
+    std::generate(goal.place.begin(), goal.place.end(), random);
+    goal.normal.assign(goal.place.size(), Eigen::Vector3d::Zero());
+    goal.weight.assign(goal.place.size(), 1);
+    std::atomic<int> asked{0};
+    goal.match = [&](std::size_t, const Eigen::Vector3d &at) {
+        ++asked;
+        return WarpMatch{
+            *std::min_element(target.begin(), target.end(), [&](const Eigen::Vector3d &a, const Eigen::Vector3d &b) {
+                return (a - at).squaredNorm() < (b - at).squaredNorm();
+            })};
+    };
+    WarpReport full, rough;
+    FitWarp(goal, {}, &full);
+    const int fully = asked.exchange(0);
+    goal.rest = 0.1;
+    FitWarp(goal, {}, &rough);
+    EXPECT_LT(3 * asked, 2 * fully);
+    EXPECT_NEAR(rough.misfit, full.misfit, 0.1 * full.misfit);
 }
 
 /// A sheet with bumps.

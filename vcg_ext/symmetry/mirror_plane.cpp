@@ -55,25 +55,25 @@ constexpr double nearly = 2.5, asGood = 1e-4; // a misfit below asGood, over the
 struct Mirrored {
     std::vector<double> far;
     MirrorPairs pairs;
+    std::vector<NearestPlace::Hint> hint; // from one plane to the next
 };
 
 /// Matches the mirror images of points with the nearest ones of the surface. Distances count three times if normals
-/// point to opposite sides.
-Mirrored MatchIn(const MirrorPlane &plane, const std::vector<Eigen::Vector3d> &points,
-                 const std::vector<Eigen::Vector3d> &normal, const FitTarget &surface, unsigned threads) {
-    Mirrored all;
+/// point to opposite sides. \param all out; its hints: in, out
+void MatchIn(const MirrorPlane &plane, const std::vector<Eigen::Vector3d> &points,
+             const std::vector<Eigen::Vector3d> &normal, const FitTarget &surface, unsigned threads, Mirrored &all) {
     all.far.resize(points.size());
     all.pairs.resize(points.size());
+    all.hint.resize(points.size());
     ParallelFor(threads, points.size(), 64, [&](std::size_t first, std::size_t last) {
         for (std::size_t s = first; s < last; ++s) {
             const Eigen::Vector3d p = plane(points[s]);
-            const FitTarget::Match match = surface.Nearest(p);
+            const FitTarget::Match match = surface.Nearest(p, all.hint[s]);
             const bool isOther = match.isOriented && match.normal.dot(plane.Turn(normal[s])) < 0;
             all.far[s] = (p - match.point).norm() * (isOther ? 3 : 1);
             all.pairs[s] = {points[s], match.point};
         }
     });
-    return all;
 }
 
 /// The distance within which four fifths are.
@@ -90,7 +90,8 @@ struct Candidate {
 
 Candidate AtRest(MirrorPlane plane, const std::vector<Eigen::Vector3d> &points,
                  const std::vector<Eigen::Vector3d> &normal, const FitTarget &surface, const Progress &progress) {
-    Mirrored all = MatchIn(plane, points, normal, surface, progress.threads);
+    Mirrored all;
+    MatchIn(plane, points, normal, surface, progress.threads, all);
     for (int step = 0; step < steps; ++step) {
         progress(double(step) / steps, "Looking for the plane");
         const double width = std::max(MostOf(all.far), 1e-9);
@@ -107,7 +108,7 @@ Candidate AtRest(MirrorPlane plane, const std::vector<Eigen::Vector3d> &points,
             next.normal = -next.normal;
         const double moved = (next.normal - plane.normal).norm() + std::abs(plane.Above(next.point));
         plane = next;
-        all = MatchIn(plane, points, normal, surface, progress.threads);
+        MatchIn(plane, points, normal, surface, progress.threads, all);
         if (moved < rest)
             break;
     }
@@ -134,10 +135,12 @@ std::vector<MirrorPlane> FindPlanes(const std::vector<Eigen::Vector3d> &points,
     }
     const std::vector<Eigen::Vector3d> someOf = Some(points, few), normalOf = Some(normal, few);
     std::vector<Candidate> all;
+    Mirrored images;
     for (const Eigen::Vector3d &each : direction) {
         progress(0.3 * double(all.size()) / double(direction.size()), "Looking for the plane");
         const MirrorPlane plane{spread.Middle(), each};
-        all.push_back({MeanOfMost(MatchIn(plane, someOf, normalOf, surface, progress.threads).far), plane});
+        MatchIn(plane, someOf, normalOf, surface, progress.threads, images);
+        all.push_back({MeanOfMost(images.far), plane});
     }
     const auto isBetter = [](const Candidate &a, const Candidate &b) { return a.misfit < b.misfit; };
     std::stable_sort(all.begin(), all.end(), isBetter);
@@ -149,9 +152,9 @@ std::vector<MirrorPlane> FindPlanes(const std::vector<Eigen::Vector3d> &points,
     for (const Candidate &each : all)
         if ((best.size() < tried || each.misfit <= nearly * all[0].misfit) && !isAmong(best, each, sameStart))
             best.push_back(each);
-    for (std::size_t i = 0; i < best.size(); ++i)
-        best[i] = AtRest(best[i].plane, someOf, normalOf, surface,
-                         progress.Slice(0.3 + 0.7 * double(i) / double(best.size()), 1));
+    ParallelTasks(
+        progress.Slice(0.3, 1), "Looking for the plane", best.size(),
+        [&](std::size_t i, const Progress &its) { best[i] = AtRest(best[i].plane, someOf, normalOf, surface, its); });
     std::stable_sort(best.begin(), best.end(), isBetter);
     std::vector<MirrorPlane> planes;
     std::vector<Candidate> kept; // several starts may come to rest in one plane

@@ -76,7 +76,8 @@ Eigen::Vector3d SmoothWarp::Back(const Eigen::Vector3d &p, const Eigen::Vector3d
 
 namespace {
 
-// The largest move of a step at rest, over the diagonal: a tenth of the error of a good fit.
+// The largest move of a step at rest, over the diagonal: a tenth of the error of a good fit. WarpGoal::rest may raise
+// it.
 constexpr double still = 1e-5;
 constexpr int mostSteps = 40; // of each degree; mostly, 10 to 20 are enough
 // The weight of a match along the surface, over that across it. At first it is larger, since the surface is shifted
@@ -259,7 +260,7 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *r
                 const Eigen::Matrix3d cofactors = linear.determinant() * linear.inverse().transpose();
                 normal[s] = (cofactors * goal.normal[s]).stableNormalized();
             }
-            if (moved <= still)
+            if (moved <= std::max(still, goal.rest * MeanOfMost(far)))
                 break;
         }
     }

@@ -67,7 +67,8 @@ struct WarpGoal {
         std::numeric_limits<double>::infinity();               ///< expected change of lengths, a fraction; the same
     double farthest = std::numeric_limits<double>::infinity(); ///< farther matches do not count
     double noise = 1e-5;                                       ///< least noise that is assumed
-    double expected = 0;                                       ///< least distance at which a match may be an outlier
+    double rest = 0;     ///< a step at rest moves places by at most this times the misfit
+    double expected = 0; ///< least distance at which a match may be an outlier
 };
 
 /// How well a warp fits.
