@@ -1045,6 +1045,35 @@ def test_what_would_move_is_seen_before(window, tmp_path, rings, columns):
     assert np.array_equal(load(w.save("as_it_was.ply"))[0], points)
 
 
+def test_what_symmetry_moves_is_seen_before(window, tmp_path):
+    """Both sides are tinted, also while they are dragged; where there is no other side, the panel says so."""
+    points, faces = tube_of(np.linspace(-1, 1, 120), 32, 0.08)
+    w = window(write_ply(tmp_path / "limb.ply", points, faces))
+    w.start_tool()
+    sides = lambda: [yellow(w)[part].max() > 60 for part in (slice(0, 200), slice(340, 540))]
+
+    def hover(place):
+        for i in range(4):
+            w.do("mousemove", place[0] + i % 2, place[1], "sleep", 0.1)
+
+    hover((X + 150, Y))
+    assert sides() == [False, True]
+    w.click(w.place("mirror"))
+    w.key("Home", "Down", "Return") # x
+    hover((X + 150, Y))
+    w.shot("both")
+    assert sides() == [True, True]
+    w.do("mousemove", X, Y + 200)
+    assert sides() == [False, False]
+    w.key("d")
+    w.press_and_move((X + 150, Y), (X + 140, Y - 60))
+    w.shot("dragged")
+    assert sides() == [True, True] and "Symmetry" not in w.text().rpartition("trace: says: ")[2]
+    w.do("mouseup", 1)
+    moved = np.abs(load(w.save("both.ply"))[0] - points).max(1)
+    assert all(moved[side].max() > 0.1 for side in (points[:, 0] > 0.5, points[:, 0] < -0.5))
+
+
 def folded(rest, now, faces):
     """How many edges there are at which a surface that was nearly flat is folded back: normals of the faces beside it by more than 90 degrees."""
     def normals(p):
@@ -1225,6 +1254,12 @@ def test_a_far_drag_of_a_limb_folds_nothing(window, tmp_path):
         assert most_stretched(points, now, faces) < 3 and folded(points, now, faces) <= 2 # of 19 thousand, where it turns by 90 degrees
         w.key("ctrl+z")
         assert np.array_equal(load(w.save(f"undone{way[0]}_{way[1]}.ply"))[0], np.float32(points)) # in one step
+    w.click(w.place("mirror"))
+    w.key("Home", "Down", "Return") # in x, where the body is too thick for a twin
+    w.press_and_move((X + 180, Y), (X + 180, Y - 100))
+    assert "\nSymmetry finds nothing on the other side: this side moves alone.\n" in w.text().rpartition("trace: says: ")[2]
+    w.key("Escape")
+    w.do("mouseup", 1)
     w.key("m")
     w.drag((X + 180, Y), (X + 30, Y - 10))
     w.shot("pulled")
@@ -1760,6 +1795,7 @@ def test_an_animation_is_exported(window, tmp_path):
         return re.findall(r"Bend: Wrote (\d+) frames to .*", w.text())[-1], w.text().rpartition("Bend: Wrote ")[2].splitlines()[0]
 
     assert write("all", rate="4")[0] == "5"
+    assert w.text().rpartition("trace: says: ")[2].startswith(f"Wrote 5 frames to {tmp_path}/all.glb.\n")
     frames, line = write("all.pc2", rate="4")
     assert frames == "5" and line.endswith(
         f"ms.apply_filter('generate_fcd_pose_sequence', handles=2, tag_attribute='fcd_applied', frame_layers=0, frames_per_second=4, "

@@ -17,6 +17,7 @@ from host_edit import window # noqa: F401, a fixture
 pytestmark = host_edit.pytestmark
 
 X, Y = MIDDLE
+EYE = 985, 133 # of the first one
 SHADING_BY_FACE = 1180, 439 # in the list of layers
 PULL, PULL_ON = ((X + 40, Y), (X + 60, Y - 120)), ((X - 120, Y), (X - 130, Y + 80))
 
@@ -290,6 +291,7 @@ def test_textures_stay(window, tmp_path):
 def test_a_drag_marks_nothing(window, tmp_path, in_place):
     """Neither on the layer, nor on the new one: any place of either can be dragged at once."""
     w, _, _ = open_tube(window, tmp_path)
+    said = lambda: w.text().rpartition("trace: says: ")[2]
     before = w.save("before.ply").read_bytes()
     w.start_tool()
     w.drag(*PULL)
@@ -298,10 +300,18 @@ def test_a_drag_marks_nothing(window, tmp_path, in_place):
     if not in_place:
         w.wait("Started Mode FCD: Bend", 2) # on the new layer
         w.settle()
+        assert said().startswith("The layer 'tube deformed' has the pose; the tool goes on with it.")
     for layer in [0] if in_place else [1, 0]:
         if layer == 0 and not in_place:
             choose_layer(w, 0)
+            assert said().startswith("The layer 'tube.ply' is hidden: its eye in the list of layers shows it.")
+            w.drag((X - 150, Y), (X - 150, Y + 60)) # nobody bends what is not seen
+            w.key("g")
+            w.shot("hidden")
             assert w.save("source.ply").read_bytes() == before
+            w.click(EYE)
+            w.do("mousemove", X, Y + 150)
+            assert said().startswith("Drag a point of the surface")
         steps = len(w.traces("drag"))
         w.drag((X - 150, Y), (X - 150, Y + 60))
         w.shot(f"layer{layer}")

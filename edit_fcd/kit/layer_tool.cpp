@@ -28,6 +28,12 @@ void LayerTool::say(const std::string &text, bool warning) {
     showHint();
 }
 
+void LayerTool::tell(const std::string &what, const std::string &more) {
+    say(what + (more.empty() ? "" : " " + more));
+    hint = QString::fromStdString(what);
+    showHint();
+}
+
 void LayerTool::requestStep() {
     isStepWanted = true;
     if (isPainted)
@@ -111,13 +117,13 @@ void LayerTool::chooseSession(bool load) {
         return;
     if (load) {
         const SessionContents contents = takeSession(file);
-        say("Loaded the session " + file.toStdString() + ". It has " + describe(contents));
+        tell("Loaded the session " + file.toStdString() + ".", "It has " + describe(contents));
         return;
     }
     keepShown();
     showVertices(true);
     const SessionContents contents = saveSession(*model, file);
-    say("Saved the session as " + file.toStdString() + ". It has " + describe(contents) + " Save the layer, too.");
+    tell("Saved the session as " + file.toStdString() + ".", "It has " + describe(contents) + " Save the layer, too.");
 }
 
 void LayerTool::applyToNewLayer(const std::function<void()> &apply, bool goesOn) {

@@ -45,6 +45,9 @@ class LayerTool : public HostEditTool {
     /// Does \p work, and nothing else, at each timeout of \p timer. The timer stops if it fails.
     void every(QTimer &timer, const std::function<void()> &work);
 
+    /// Tells what was done: in the panel, and, with more, in the log.
+    void tell(const std::string &what, const std::string &more = {});
+
     /// Gets the view's events while the tool has a layer. \return whether the view must not get the event
     virtual bool takesEvent(QEvent &event) = 0;
     /// Ends what was begun, and calls leaveView().

@@ -668,6 +668,19 @@ TEST(BendModel, TheMirrorHasAnotherHandleThere) {
     EXPECT_FALSE(handleOf(bent.model.state, 5).pivot) << "it has no twin";
     setMotion(bent.model, {{4, {MotionStep::Translate({1, 0, 0})}}});
     EXPECT_EQ(motionOf(bent.model.state, 5).size(), 0U);
+    setMotion(bent.model, {{2, {}}});
+    BendHandle locked = handleOf(bent.model.state, 3);
+    locked.isLocked = true;
+    setHandle(bent.model.state, 3, locked);
+    setMotion(bent.model, {{2, {MotionStep::Translate({1, 0, 0})}}});
+    EXPECT_EQ(motionOf(bent.model.state, 3).size(), 0U) << "a locked handle stays where it is";
+    for (const int tag : {2, 3, 4, 5})
+        EXPECT_FALSE(lacksTwin(bent.model, tag)) << tag;
+    bent.addPoint(6, {0.8, 0.25, 0}, 0.1);
+    EXPECT_TRUE(lacksTwin(bent.model, 6));
+    bent.model.options.mirror = -1;
+    EXPECT_FALSE(lacksTwin(bent.model, 6));
+    bent.model.options.mirror = 0;
     EXPECT_TRUE(isTwin(bent.model, bent.nearest({0.5, 0.25, 0}), bent.nearest({-0.5, 0.25, 0})));
     EXPECT_FALSE(isTwin(bent.model, bent.nearest({0.5, 0.25, 0}), bent.nearest({-0.5, -0.25, 0}))) << "a lopsided one";
 }

@@ -104,6 +104,13 @@ int mirrored(const BendModel &model, int tag) {
     return found == tag ? 0 : found;
 }
 
+bool lacksTwin(const BendModel &model, int tag) {
+    if (model.options.mirror < 0 || !model.influence.isHandle(tag) || mirrored(model, tag))
+        return false;
+    const Eigen::Vector3d own = placeOf(model, tag);
+    return (mirrorOf(model) * own - own).norm() > farthestTwin * model.ground.diagonal;
+}
+
 bool isTwin(const BendModel &model, std::size_t slot, std::size_t other) {
     const BendGround &ground = model.ground;
     const Eigen::Vector3d there = mirrorOf(model) * (ground.world * ground.at(slot));
@@ -180,7 +187,8 @@ bool isMoved(const BendModel &model) {
 void setMotion(BendModel &model, const std::map<int, std::vector<MotionStep>> &steps) {
     auto &motion = motionByHand(model.state);
     for (const auto &[tag, here] : steps) {
-        if (const int other = mirrored(model, tag); other && steps.count(other) == 0) {
+        if (const int other = mirrored(model, tag);
+            other && steps.count(other) == 0 && !handleOf(model.state, other).isLocked) {
             std::vector<MotionStep> there;
             there.reserve(here.size());
             for (const MotionStep &step : here)

@@ -35,6 +35,8 @@ Eigen::Matrix3d axesOf(const BendModel &model, int tag);
 Eigen::Affine3d mirrorOf(const BendModel &model); ///< the identity if there is none
 /// The twin of a handle: that on the other side of the mirror; 0 if there is none, or no mirror.
 int mirrored(const BendModel &model, int tag);
+/// Whether symmetry is on, but a handle far from the mirror moves without a twin.
+bool lacksTwin(const BendModel &model, int tag);
 /// Whether a vertex is near enough to the mirror image of another one to be that of a twin.
 bool isTwin(const BendModel &model, std::size_t slot, std::size_t other);
 
@@ -60,7 +62,7 @@ double radiusOf(const BendModel &model, int tag); ///< world units
 /// The motions of all handles.
 std::map<vcg::fcd::Index, vcg::fcd::Motion> motionsOf(const BendModel &model);
 bool isMoved(const BendModel &model); ///< whether any handle is away from rest
-/// Sets the motions of handles, and of their twins.
+/// Sets the motions of handles, and of their twins, except locked ones.
 void setMotion(BendModel &model, const std::map<int, std::vector<vcg::fcd::MotionStep>> &steps);
 /// \throw vcg::fcd::Error it is not the text of a motion
 void setMotionText(BendModel &model, int tag, const std::string &text);

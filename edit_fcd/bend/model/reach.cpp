@@ -63,7 +63,7 @@ void BendReach::lookAt(std::size_t slot) {
         return;
     coarse = std::make_unique<BendReach>(source);
     coarse->take(std::move(made));
-    coarse->mostExtents = 2; // with two radii
+    coarse->mostExtents = 4; // with two radii, and twins
 }
 
 BendReach &BendReach::glance() {

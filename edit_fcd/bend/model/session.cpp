@@ -106,15 +106,16 @@ std::optional<std::size_t> BendSession::nearest(const Eigen::Vector3d &place, do
     return slot;
 }
 
-/// The vertex on the other side of the mirror, at rest.
-std::optional<std::size_t> BendSession::mirroredSlot(std::size_t slot) const {
+/// The vertex on the other side of the mirror for the twin of a new handle; none if nothing free lies there.
+std::optional<std::size_t> BendSession::twinSlot(std::size_t slot) const {
     if (data.options.mirror < 0)
         return {};
     const vcg::fcd::SurfaceView view = surface->View();
     const Eigen::Vector3d there = rest.world().inverse() * (mirrorOf(data) * (rest.world() * rest.at(slot)));
-    return nearestOf(
+    const auto found = nearestOf(
         view.vertexSlots, there, [&](std::size_t i) { return view.IsDeleted(i); },
         [&](std::size_t i) { return rest.positions()[i]; });
+    return found && isTwin(data, slot, *found) && canBecomePoint(data, *found) ? found : std::nullopt;
 }
 
 Eigen::Vector3d BendSession::positionOf(std::size_t slot) const {
@@ -206,8 +207,7 @@ int BendSession::addAt(std::size_t slot, double radius) {
         return tag;
     };
     const int tag = add(slot);
-    const auto other = mirroredSlot(slot);
-    if (other && isTwin(data, slot, *other) && canBecomePoint(data, *other))
+    if (const auto other = twinSlot(slot))
         add(*other);
     return tag;
 }
@@ -235,6 +235,13 @@ std::shared_ptr<const BendExtent> BendSession::glimpseOf(int tag) {
     return point == state().points.end() || !reach.isRead()
                ? nullptr
                : reach.glance().whole({point->second.slot}, point->second.radius, usualGap(rest.diagonal()));
+}
+
+std::shared_ptr<const BendExtent> BendSession::glimpseTwin(int tag, const BendExtent &own) {
+    if (tag)
+        return glimpseOf(mirrored(data, tag));
+    const auto slot = twinSlot(own.vertices.front());
+    return slot ? reach.glance().whole({*slot}, own.radius, usualGap(rest.diagonal())) : nullptr;
 }
 
 void BendSession::makeGrip(int tag) {

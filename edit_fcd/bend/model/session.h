@@ -79,6 +79,9 @@ class BendSession {
     /// surface is being read. \param usual as of addPoint()
     std::shared_ptr<const BendExtent> glimpse(std::size_t slot, double usual);
     std::shared_ptr<const BendExtent> glimpseOf(int tag);
+    /// The same for what symmetry adds. Null if that is nothing. \param tag of a handle, or 0: a new one \param own its
+    /// extent
+    std::shared_ptr<const BendExtent> glimpseTwin(int tag, const BendExtent &own);
     /// The same for the limb that limbAt() would turn, at a vertex or a handle. \return also its handle, 0: a new one
     std::pair<int, std::shared_ptr<const BendExtent>> glimpseLimb(int tag, std::optional<std::size_t> slot,
                                                                   double usual);
@@ -244,7 +247,7 @@ class BendSession {
     std::shared_ptr<const BendExtent> glimpseAt(std::size_t slot, double usual);
     int addAt(std::size_t slot, double radius);
     Turned turnedBy(BendReach &from, const BendStroke &stroke, double usual) const;
-    std::optional<std::size_t> mirroredSlot(std::size_t slot) const;
+    std::optional<std::size_t> twinSlot(std::size_t slot) const;
     void readSurface();
     void writeMarks();
     void takeState();

@@ -22,6 +22,16 @@ void BendTool::draw() {
     if (going)
         going->beforeDraw();
     beginDraw();
+    if (wasHidden != isHidden()) {
+        wasHidden = !wasHidden;
+        later([this] {
+            hint.clear();
+            forgetForeseen();
+            refresh();
+        });
+    }
+    if (wasHidden)
+        return;
     if (preparing) {
         if (layer()) {
             overlay->draw(model->cm);
@@ -44,6 +54,17 @@ void BendTool::draw() {
             if (current.cm.vn > 0 && current.id() != refused)
                 start(*view->md(), view);
         });
+}
+
+bool BendTool::isHidden() const { return layer() && !host::isVisible(*model); }
+
+std::string BendTool::hiddenText() const {
+    return "The layer '" + model->label().toStdString() + "' is hidden: its eye in the list of layers shows it.";
+}
+
+void BendTool::expectSeen() const {
+    if (isHidden())
+        throw vcg::fcd::Error(hiddenText());
 }
 
 void BendTool::drawGhosts() {
@@ -110,6 +131,8 @@ QString BendTool::stateText() const {
         return going->text();
     if (!hint.isEmpty())
         return hint;
+    if (isHidden())
+        return QString::fromStdString(hiddenText());
     if (panel->mode() == BendPanel::Line)
         return lineText();
     const BendDrag *drag = this->drag();
@@ -141,6 +164,8 @@ QString BendTool::stateText() const {
         text = "Drag a handle (red), or a point of the surface. G, R, S: " + textOfKeys() + ".";
     if (drag && !drag->carried.empty())
         text += "\nHandles beyond it go along, except locked ones.";
+    if (drag && lacksTwin(session->model(), drag->tag))
+        text += "\nSymmetry finds nothing on the other side: this side moves alone.";
     if (drag && isKeptApart(session->model(), drag->tag))
         text += "\nWhat others bend stays; the wheel includes it.";
     else if (session->model().influence.isLocal)

@@ -87,6 +87,9 @@ class BendTool : public BendStage {
 
     // what is shown
     void showStretch();
+    bool isHidden() const; ///< the layer is there, but not shown
+    std::string hiddenText() const;
+    void expectSeen() const; ///< \throw vcg::fcd::Error it is hidden
     void drawOverlay() const;
     void drawGhosts();
     void showHandles();
@@ -113,6 +116,7 @@ class BendTool : public BendStage {
     bool isForeseeing = false;                        ///< a call of foresee() is queued
     bool isReading = false;                           ///< foresee() waits until the surface is read
     std::vector<Eigen::Vector3d> foreseenPivots;      ///< about which it would turn, world
+    bool wasHidden = false;                           ///< isHidden() when it was drawn last
     bool isLimbForeseen = false;                      ///< a press would turn a limb
     std::optional<GizmoPart> lit;                     ///< the part of the gizmo under the mouse
     unsigned long escaped = 0; ///< time when Esc last gave the mouse to the camera, by the window system's clock

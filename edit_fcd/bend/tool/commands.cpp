@@ -90,11 +90,22 @@ void BendTool::apply(bool inPlace) {
     showStretch();
     const Remark remark = [this](const std::string &line) { say(line); };
     if (!inPlace) {
-        applyToNewLayer([&] { say(session->applyToNewLayer(panel->graphLayers(), remark)); }, true);
+        applyToNewLayer(
+            [&] {
+                const std::string call = session->applyToNewLayer(panel->graphLayers(), remark);
+                tell("The layer '" + document->mm()->label().toStdString() +
+                         "' has the pose; the tool goes on with it. The other one is at rest, and hidden.",
+                     call);
+            },
+            true);
         return;
     }
     try {
-        say(session->applyInPlace(remark));
+        const std::string call = session->applyInPlace(remark);
+        tell(std::string("Applied: the next drag ") +
+                 (session->state().poses ? "and the named poses begin" : "begins") +
+                 " from this shape. Undo takes that back.",
+             call);
     } catch (...) {
         showVertices(true);
         throw;

@@ -111,11 +111,14 @@ void DragInteraction::beginPrepared() {
 
 /// Shows what turns, and how much the surface bends. (For a pull, the tool draws points.)
 void DragInteraction::showInfluence() {
-    const auto &extents = stage.session->model().influence.extents;
+    const BendModel &model = stage.session->model();
     const int tag = first ? first : now->tag; // all that moves is of its extent
-    const auto found = extents.find(tag);
-    const bool isTurned = isGrip(stage.session->state(), tag) && found != extents.end();
-    stage.colors->preview(isTurned ? found->second : nullptr);
+    MarkColors::Extents turned;
+    for (const int each : {tag, mirrored(model, tag)})
+        if (const auto found = model.influence.extents.find(each);
+            found != model.influence.extents.end() && isGrip(model.state, each))
+            turned.push_back(found->second);
+    stage.colors->preview(std::move(turned));
     stage.showOverlay();
 }
 
@@ -164,7 +167,7 @@ void DragInteraction::stop(bool keep) {
     if (stage.moving)
         stage.overlay->move();
     stage.moving.reset();
-    if (stage.colors->preview(nullptr) && stage.layer())
+    if (stage.colors->preview({}) && stage.layer())
         stage.showOverlay();
     stage.isStepWanted = false;
     stage.sinceEvent.start();
@@ -182,7 +185,7 @@ void DragInteraction::cancel() {
         end(false);
         return;
     }
-    if (stroke && stage.colors->preview(nullptr) && stage.layer())
+    if (stroke && stage.colors->preview({}) && stage.layer())
         stage.showOverlay();
     stage.ended();
 }

@@ -35,7 +35,8 @@ void DragInteraction::showStroke(BendStroke &drawn) {
     double distance = 0;
     drawn.to = session.nearest(stage.pick().value_or(held), distance).value_or(drawn.from);
     turned = session.glimpseStroke(drawn, stage.panel->radius() * session.diagonal());
-    if (stage.colors->preview(turned.tag ? session.glimpseOf(turned.tag) : turned.extent))
+    const auto own = turned.tag ? session.glimpseOf(turned.tag) : turned.extent;
+    if (stage.colors->preview({own, own ? session.glimpseTwin(turned.tag, *own) : nullptr}))
         stage.showOverlay();
     stage.refresh();
     stage.view->update();
@@ -48,7 +49,7 @@ void DragInteraction::endStroke() {
     }
     BendStroke drawn = *stroke;
     showStroke(drawn);
-    stage.colors->preview(nullptr); // the turn has its own preview
+    stage.colors->preview({}); // the turn has its own preview
     stroke.reset();
     begin({0, drawn.to, {BendDrag::Turn, -1}, true, false, false, drawn});
     stage.refresh();

@@ -63,6 +63,7 @@ BendTool::Place BendTool::placeOfKeys() const {
 
 /// Begins to move what is under the mouse, or else the selected handle, without a button.
 void BendTool::dragByKey(BendDrag::Kind kind) {
+    expectSeen();
     findMouse();
     const Place place = view->underMouse() ? placeOfKeys() : Place();
     const bool isBegin = beginsByKey(place);

@@ -30,6 +30,7 @@ void BendTool::changeLayer(MeshDocument &newDocument, GLArea *area) {
     if (isEnding || (newDocument.mm() && newDocument.mm()->id() == layerId && layer()))
         return;
     refused = -1;
+    hint.clear();
     close();
     view = area;
     if (newDocument.mm() &&

@@ -42,7 +42,7 @@ void BendTool::onLineCommand(int which) {
         if (file.isEmpty() || !isReady())
             return;
         saveLine(*session, file);
-        say("Saved the line as " + file.toStdString() + ".");
+        tell("Saved the line as " + file.toStdString() + ".");
         break;
     }
     case BendLineBox::Clear:

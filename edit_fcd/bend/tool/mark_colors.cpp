@@ -35,7 +35,7 @@ std::vector<vcg::Color4b> MarkColors::of(const BendSession &session) {
         return color;
     }
     std::vector<vcg::Color4b> color = ofMarks(session);
-    if (!previewed || session.marksBeingMade())
+    if (previewed.empty() || session.marksBeingMade())
         return color;
     color.resize(session.tags().size(), vcg::Color4b(0, 0, 0, 0));
     forPreview(session, [&](std::size_t i, const vcg::Color4b &own) { color[i] = own; });
@@ -96,7 +96,7 @@ void MarkColors::findColored(const BendSession &session) {
 }
 
 std::optional<MarkColors::Tint> MarkColors::tint(BendSession &session) {
-    if (!previewed || session.marksBeingMade() || isStretch(session) || layer.cm.fn == 0)
+    if (previewed.empty() || session.marksBeingMade() || isStretch(session) || layer.cm.fn == 0)
         return {};
     const VertexFaces *faces = session.faces();
     if (!faces)
@@ -135,9 +135,10 @@ std::optional<MarkColors::Tint> MarkColors::tint(BendSession &session) {
     return tint;
 }
 
-bool MarkColors::preview(std::shared_ptr<const BendExtent> extent) {
-    const bool isOther = extent != previewed;
-    previewed = std::move(extent);
+bool MarkColors::preview(Extents extents) {
+    extents.erase(std::remove(extents.begin(), extents.end(), nullptr), extents.end());
+    const bool isOther = extents != previewed;
+    previewed = std::move(extents);
     return isOther;
 }
 
@@ -150,11 +151,17 @@ void MarkColors::forPreview(const BendSession &session, const Set &set) const {
         if (!marks || (*marks)[i] == 1) // marked vertices stay, or have a motion of their own
             set(i, vcg::Color4b(250, 190, 40, (unsigned char)(share * opacity)));
     };
-    for (const std::size_t i : previewed->beyond)
-        mix(i, 1);
-    for (std::size_t k = 0; k < previewed->around.size(); ++k) {
-        const std::size_t i = previewed->around[k];
-        if (tags[i] < 2 || isAlong(session.model(), i))
-            mix(i, previewed->share[k]);
+    for (const auto &each : previewed) {
+        const auto isMore = [&](std::size_t i, float share) { // than with another handle
+            return std::all_of(previewed.begin(), previewed.end(),
+                               [&](const auto &other) { return other == each || other->shareOf(i) <= share; });
+        };
+        for (const std::size_t i : each->beyond)
+            mix(i, 1);
+        for (std::size_t k = 0; k < each->around.size(); ++k) {
+            const std::size_t i = each->around[k];
+            if ((tags[i] < 2 || isAlong(session.model(), i)) && isMore(i, each->share[k]))
+                mix(i, each->share[k]);
+        }
     }
 }

@@ -29,9 +29,10 @@ class MarkColors {
     /// The same during a preview, but only vertices and faces with a colour. None if there are too many.
     std::optional<Tint> tint(BendSession &session);
 
-    /// Sets the preview: the extent of a handle, by how much it would move. \param extent null: no preview
-    /// \return whether it has changed
-    bool preview(std::shared_ptr<const BendExtent> extent);
+    using Extents = std::vector<std::shared_ptr<const BendExtent>>;
+    /// Sets the preview: the extents of handles that would move, by how much. \param extents null ones are ignored;
+    /// empty: no preview \return whether it has changed
+    bool preview(Extents extents);
 
   private:
     /// All that the colours of marks depend on.
@@ -50,7 +51,7 @@ class MarkColors {
     void forPreview(const BendSession &session, const Set &set) const;
 
     const MeshModel &layer;
-    std::shared_ptr<const BendExtent> previewed;
+    Extents previewed;
     std::optional<Marked> marked;           ///< for which \a colored was computed
     std::vector<std::uint32_t> colored;     ///< vertices with a colour by marks, ascending
     std::vector<vcg::Color4b> colorOf;      ///< of each of these

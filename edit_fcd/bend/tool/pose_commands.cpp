@@ -141,7 +141,7 @@ void BendTool::renamePose(std::size_t number, const std::string &name) {
     session->change();
     session->replacePose(*other, number);
     solve(true);
-    say("The pose '" + name + "' is replaced. Undo takes that back.");
+    tell("The pose '" + name + "' is replaced. Undo takes that back.");
 }
 
 void BendTool::showBlend(const std::vector<double> &weights) {
@@ -188,7 +188,7 @@ void BendTool::onPoseCommand(int which) {
         if (file.isEmpty() || !isReady())
             return;
         saveFiles({{file, PoseSequenceText(poses)}});
-        say("Saved the poses as " + file.toStdString() + ".");
+        tell("Saved the poses as " + file.toStdString() + ".");
         break;
     }
     case BendPoseBox::KeyFrame:
@@ -227,8 +227,8 @@ void BendTool::exportAnimation() {
         },
         [=] {
             files->save();
-            say("Wrote " + std::to_string(report->frames) + " frames to " + how.file.toStdString() +
-                ". In a script, once the layer is at rest: " + session->exportCall(*animation, how));
+            tell("Wrote " + std::to_string(report->frames) + " frames to " + how.file.toStdString() + ".",
+                 "In a script, once the layer is at rest: " + session->exportCall(*animation, how));
             for (const std::string &each : animation->remarks)
                 say(each, true);
             if (!report->converged)
@@ -238,6 +238,7 @@ void BendTool::exportAnimation() {
                         " triangles are flipped: the surface is squeezed or twisted too much there.",
                     true);
             refresh();
+            view->update(); // with the gizmo
         },
         {}, true);
 }

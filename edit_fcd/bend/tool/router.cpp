@@ -46,6 +46,7 @@ void BendTool::press(QMouseEvent *event) {
 
 /// Begins what a press in this mode begins. \return false if that is nothing
 bool BendTool::begin() {
+    expectSeen();
     switch (panel->mode()) {
     case BendPanel::Drag:
     case BendPanel::Pull: return grab();
@@ -185,7 +186,7 @@ void BendTool::hover() {
 /// Previews how much a press would move, and about which pivot.
 void BendTool::foresee() {
     isForeseeing = isReading = false;
-    if (!layer() || going || preparing || !panel->isBending() || isSuspended)
+    if (!layer() || going || preparing || !panel->isBending() || isSuspended || isHidden())
         return;
     session->readAhead();
     isReading = !session->isRead() && (foreseen.tag || foreseen.slot) && isForLimb(foreseen);
@@ -225,7 +226,7 @@ void BendTool::foresee() {
         foreseenPivots.push_back(tag ? pivotOf(model, tag) : session->seenAt(pivot, at));
     }
     panel->showState(stateText());
-    if (!colors->preview(found))
+    if (!colors->preview({found, found ? session->glimpseTwin(tag, *found) : nullptr}))
         return;
     showOverlay();
     if (found)
@@ -237,7 +238,7 @@ void BendTool::foresee() {
 void BendTool::forgetForeseen() {
     foreseenPivots.clear();
     isLimbForeseen = false;
-    if (colors && colors->preview(nullptr) && layer())
+    if (colors && colors->preview({}) && layer())
         showOverlay();
 }
 
@@ -266,7 +267,7 @@ void BendTool::beginDrag(const DragInteraction::Grip &grip) {
         throw vcg::fcd::Error(nameOf(session->state(), grip.tag) + " is locked: the list of handles unlocks it.");
     foreseenPivots.clear();
     isLimbForeseen = false;
-    colors->preview(nullptr); // the drag has its own preview
+    colors->preview({}); // the drag has its own preview
     DragInteraction &begun = goOn<DragInteraction>();
     try {
         begun.begin(grip);

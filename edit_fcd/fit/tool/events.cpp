@@ -293,26 +293,26 @@ void FitTool::chooseFiles(bool load) {
         if (file.isEmpty() || !isReady())
             return;
         savePairs(*model, session->restShape().positions().data(), session->state().pairs, file);
-        say("Saved the pairs as " + file.toStdString() + ".");
+        tell("Saved the pairs as " + file.toStdString() + ".");
     }
 }
 
 void FitTool::apply(bool inPlace) {
     const MeshModel &onto = expectedTarget();
-    const auto tell = [this](const std::string &call) { say("In a script: " + call); };
+    const auto tellCall = [this](const std::string &call) { say("In a script: " + call); };
     session->expectFitted(onto);
     stopWork(); // it belongs to the shape before
     session->change();
     if (inPlace) {
         const bool hadCurves = session->state().lines != nullptr;
-        tell(session->applyInPlace(onto));
+        tellCall(session->applyInPlace(onto));
         if (hadCurves)
-            say("The curves were those of the earlier shape. Load curves of this one.");
+            tell("The curves were those of the earlier shape. Load curves of this one.");
         showVertices(true);
         showColors();
         return;
     }
     wasVisible.erase(layerId); // the new layer is shown in its place
     const Remark remark = [this](const std::string &line) { say(line); };
-    applyToNewLayer([&] { tell(session->applyToNewLayer(onto, panel->graphLayers(), remark)); }, false);
+    applyToNewLayer([&] { tellCall(session->applyToNewLayer(onto, panel->graphLayers(), remark)); }, false);
 }
