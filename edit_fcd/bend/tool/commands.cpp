@@ -92,20 +92,18 @@ void BendTool::apply(bool inPlace) {
     if (!inPlace) {
         applyToNewLayer(
             [&] {
-                const std::string call = session->applyToNewLayer(panel->graphLayers(), remark);
+                say(session->applyToNewLayer(panel->graphLayers(), remark));
                 tell("The layer '" + document->mm()->label().toStdString() +
-                         "' has the pose; the tool goes on with it. The other one is at rest, and hidden.",
-                     call);
+                     "' has the pose; the tool goes on with it. The other one is at rest, and hidden.");
             },
             true);
         return;
     }
     try {
-        const std::string call = session->applyInPlace(remark);
+        say(session->applyInPlace(remark));
         tell(std::string("Applied: the next drag ") +
-                 (session->state().poses ? "and the named poses begin" : "begins") +
-                 " from this shape. Undo takes that back.",
-             call);
+             (session->state().poses ? "and the named poses begin" : "begins") +
+             " from this shape. Undo takes that back.");
     } catch (...) {
         showVertices(true);
         throw;
