@@ -235,6 +235,53 @@ TEST(BendModel, ALimbBeginsWhereItGetsThicker) {
     }
 }
 
+namespace {
+
+/// A body of revolution about x, from -1 to 1. \param thick tells its radius at a place
+template <class Thick>
+Shape TurnedBody(const Thick &thick) {
+    Shape s = Limb(1, 100, {0, 0, 0}, 1, 48);
+    for (Eigen::Vector3d &p : s.position) {
+        const double x = p[0];
+        p = {x, thick(x) * p[1], thick(x) * p[2]};
+    }
+    return s;
+}
+
+} // namespace
+
+TEST(BendModel, AHeadAsThickAsItsNeckIsALimb) {
+    // A body 0.9 thick, from x = 0.2 on a neck and head 0.4 thick, with a round end: nothing can lie beyond a handle.
+    const auto round = [](double x) { return std::sqrt(std::max(0.0, 0.04 - std::pow(std::max(0.0, x - 0.8), 2))); };
+    Bent bent(TurnedBody([&](double x) { return x < 0.2 ? 0.45 : x < 0.25 ? 1.45 - 5 * x : round(x); }));
+    const double usual = 0.4;
+    const std::size_t nose = bent.nearest({1, 0, 0});
+    for (const double x : {1.0, 0.7, 0.55}) {
+        SCOPED_TRACE(x);
+        const std::size_t slot = bent.nearest({x, 0, x < 1 ? round(x) : 0});
+        const auto root = bent.reach.rootOfLimb(slot, usual, 0.01);
+        ASSERT_TRUE(root);
+        EXPECT_LT((bent.position[*root] - bent.position[nose]).norm(), 0.1);
+        const auto extent = bent.reach.whole({*root}, bent.reach.radiusAt(*root, usual), 0.01);
+        ASSERT_TRUE(extent->joint);
+        EXPECT_NEAR((*extent->joint)[0], 0.4, 0.15) << "in the neck";
+        EXPECT_LT(std::hypot((*extent->joint)[1], (*extent->joint)[2]), 0.05);
+        EXPECT_GT(extent->shareOf(slot), 0.5);
+        EXPECT_EQ(extent->shareOf(bent.nearest({0, 0, 0.35})), 0) << "the body stays";
+    }
+    EXPECT_NEAR(bent.reach.radiusAt(nose, usual), 0.85, 0.15) << "so far a pull reaches, too";
+    for (const double x : {-1.0, -0.5})
+        EXPECT_FALSE(bent.reach.rootOfLimb(bent.nearest({x, 0, 0.35}), usual, 0.01)) << x;
+
+    Bent ball(TurnedBody([](double x) { return std::sqrt(1 - x * x); }));
+    for (const double x : {1.0, 0.0})
+        for (const double reach : {0.3, 0.8}) {
+            const std::size_t slot = ball.nearest({x, 0, std::sqrt(1 - x * x)});
+            EXPECT_FALSE(ball.reach.rootOfLimb(slot, reach, 0.01)) << x;
+            EXPECT_EQ(ball.reach.radiusAt(slot, reach), reach);
+        }
+}
+
 TEST(BendModel, AFingerIsALimbOfItsOwn) {
     // A body, from x = 0 on an arm of 0.16, and from 0.6 to 0.75 a finger of 0.04.
     Shape figure = Limb(1, 500, {0, 0, 0}, 1, 48);

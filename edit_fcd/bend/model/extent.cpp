@@ -28,6 +28,10 @@ const double coreSize = 0.5; // share of the radius that moves with a handle; th
 // away. The limit is between the two.
 const double nearestJoint = 0.25;
 
+// The same at the end of a limb. Around a vertex of a ball, the middle of the strip is less than half a radius away,
+// however large the radius.
+const double nearestJointOfEnd = 0.5;
+
 } // namespace
 
 /// Tells which pieces beside a ball are tips of the limb at its middle: those that a ball of half the radius cuts off,
@@ -151,8 +155,9 @@ std::shared_ptr<const BendExtent> BendReach::whole(const std::vector<std::size_t
 }
 
 double BendReach::radiusAt(std::size_t slot, double usual) {
-    const double cut = closingRadius(slot, usual);
-    return cut > 0 ? radiusOfClosing * cut : usual;
+    if (const double cut = closingRadius(slot, usual); cut > 0)
+        return radiusOfClosing * cut;
+    return std::max(usual, radiusAtEnd(slot, usual));
 }
 
 /// Sets shares, bends, axis and joint.
@@ -200,7 +205,7 @@ void BendReach::findShares(BendExtent &made) const {
     made.bends = surface->frame.FromFrame(center);
     if (outer[3] > 0 && inner[3] > 0)
         made.axis = inner.hnormalized() - outer.hnormalized();
-    if (!made.beyond.empty() && (center - place).norm() > nearestJoint * radius)
+    if ((center - place).norm() > (made.beyond.empty() ? nearestJointOfEnd : nearestJoint) * radius)
         made.joint = made.bends;
 }
 

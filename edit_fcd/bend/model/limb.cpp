@@ -31,6 +31,11 @@ const double farOfCut = 0.75;
 
 const float leastShare = 0.5; // of a vertex that turns with its limb, and does not rather stay
 
+// Between the powers of the distance with which an area grows: 1 along a limb, 2 on a plane.
+const double betweenLineAndPlane = 1.5;
+
+const double ringsOfRadius = 4; // that growth is measured over one of them, the outermost
+
 const int binsOfThickness = 2; // cross-sections for each thickness of a limb
 
 } // namespace
@@ -84,9 +89,56 @@ std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual,
     if (const auto root = rootBefore(slot, cut > 0 ? radiusOfClosing * cut : usual, pointed))
         return root;
     const std::size_t last = slotOf(ball.back());
-    if (const auto root = rootBeyond(last, radiusAt(last, usual)))
+    const double closing = closingRadius(last, usual);
+    if (const auto root = rootBeyond(last, closing > 0 ? radiusOfClosing * closing : usual))
         return root;
-    return rootTowardsBody(usual); // a head is thicker than its neck
+    if (const auto root = rootTowardsBody(usual)) // a head is thicker than its neck
+        return root;
+    return endOfShortLimb(pointed);
+}
+
+/// Twice the thickness of a limb at its end, where a ball of the usual radius reaches around it; world units. 0: the
+/// vertex is at no such end.
+double BendReach::radiusAtEnd(std::size_t slot, double usual) const {
+    std::vector<double> distances;
+    const std::vector<vcg::fcd::Index> ball = nodesWithin({slot}, usual, &distances);
+    const double unit = usual / surface->frame.scale, ring = unit / ringsOfRadius;
+    double all = 0, outer = 0;
+    for (std::size_t k = 0; k < ball.size(); ++k) {
+        for (const vcg::fcd::Index v : surface->graph.adjacency[ball[k]])
+            if (double((surface->graph.position.col(v) - surface->graph.position.col(ball[k])).norm()) > ring)
+                return 0; // the areas of nodes tell nothing here
+        const double area = surface->nodeArea[std::size_t(ball[k])];
+        all += area;
+        outer += distances[k] > unit - ring ? area : 0;
+    }
+    const double girth = outer / ring; // the area grows by girth * unit / all as power of the distance
+    return girth * unit < betweenLineAndPlane * all ? 2 * girth / EIGEN_PI * surface->frame.scale : 0;
+}
+
+/// The end of a limb that is too short to have anything beyond a handle, if the vertex turns with it: the vertex around
+/// that is farthest from the middle of the body.
+std::optional<std::size_t> BendReach::endOfShortLimb(const Pointed &at) {
+    const vcg::fcd::Graph &graph = surface->graph;
+    Eigen::Vector3f middle = Eigen::Vector3f::Zero();
+    float all = 0;
+    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
+        middle += surface->nodeArea[std::size_t(u)] * graph.position.col(u);
+        all += surface->nodeArea[std::size_t(u)];
+    }
+    middle /= all;
+    const std::vector<vcg::fcd::Index> ball = nodesWithin({at.slot}, 2 * at.usual);
+    const vcg::fcd::Index end = *std::max_element(ball.begin(), ball.end(), [&](vcg::fcd::Index u, vcg::fcd::Index v) {
+        return (graph.position.col(u) - middle).squaredNorm() < (graph.position.col(v) - middle).squaredNorm();
+    });
+    const std::size_t slot = slotOf(end);
+    const double radius = radiusAtEnd(slot, at.usual);
+    if (radius < at.usual || !whole({slot}, radius, at.hair)->joint || !turnsOneLimb(slot, at))
+        return {};
+    float turned = 0;
+    for (const vcg::fcd::Index u : nodesWithin({slot}, radius))
+        turned += surface->nodeArea[std::size_t(u)];
+    return turned < largestLimb * all ? std::optional(slot) : std::nullopt;
 }
 
 /// Tells whether a handle turns the limb of a vertex, and no other one with it.

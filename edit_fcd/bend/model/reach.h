@@ -68,7 +68,7 @@ class BendReach {
     std::shared_ptr<const BendExtent> whole(const std::vector<std::size_t> &vertices, double radius, double hair);
 
     /// The default radius of a handle at a vertex: twice the thickness of its limb, if a ball of the radius \p usual
-    /// cuts off a tip; else \p usual.
+    /// cuts off a tip, or reaches around the end of a limb; else \p usual.
     double radiusAt(std::size_t slot, double usual);
 
     /// The vertex whose handle turns the whole limb of another vertex: near the limb's root, where it becomes clearly
@@ -115,6 +115,8 @@ class BendReach {
         double usual, hair; ///< as of rootOfLimb()
     };
     bool turnsOneLimb(std::size_t root, const Pointed &at);
+    double radiusAtEnd(std::size_t slot, double usual) const;
+    std::optional<std::size_t> endOfShortLimb(const Pointed &at);
     std::optional<std::size_t> rootBefore(std::size_t slot, double radius, const Pointed &pointed);
     void take(std::unique_ptr<vcg::fcd::SurfaceGraph> read);
     struct Pieces {
