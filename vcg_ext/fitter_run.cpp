@@ -29,9 +29,10 @@ constexpr double mostUnreached = 0.002;
 // brings so much more of them onto each other; one that only strains it is wrong if leaving it out does. A limb has at
 // least a patch, and a patch of 150 has two thirds of this.
 constexpr double aLimb = 0.01;
-// Strain of edges (rms) above which other starts are tried, and the share of it that another start may have. Shapes
-// made by formula had 0.36 and more if they lay turned, and 0.19 (a hand with touching fingers) if they lay right.
-constexpr double pressed = 0.25, farLess = 0.5;
+// Strain of edges (rms) above which other starts are tried, and the share of it that another start may have, unless the
+// surface is nearer so at rest. Shapes made by formula had 0.36 and more if they lay turned, a head that lay turned by
+// 60 degrees 0.23, and a hand with touching fingers that lay right 0.19.
+constexpr double pressed = 0.2, farLess = 0.5;
 // Other starts are also tried if the edges grow or shrink by more than this share: the target has another size. Of
 // shapes made by formula and bent by up to 80 degrees, the right size let them grow by 0.005 at most.
 constexpr double grows = 0.1;
@@ -187,43 +188,53 @@ void Fitter::Run::Lay(const Progress &progress) {
     StiffenGaps(Settle(progress), progress);
 }
 
-/// Tries other starts; keeps one if the surface is far less strained, and as much of it lies on the target. The fit
-/// then begins anew from where most of the surface went, with the scale that it found.
+/// Tries other starts; keeps one if the surface is far less strained, or less if it is nearer at rest, and as much of
+/// it lies on the target, or as little of that is unreached (all of a part may lie on the surface). The fit then begins
+/// anew from where most of the surface went, with the scale that it found.
 void Fitter::Run::TryOtherStarts(const Progress &progress) {
-    const double strained = StrainOf(region, graph), on = OnIt() - aLimb;
-    const bool isPressed = strained > pressed;
-    if (!(isPressed || std::abs(GrowthOf(region, graph) - 1) > grows) || !fitter.MayBegin(report, isLed))
+    if (!fitter.MayBegin(report, isLed))
         return;
-    ends.clear(); // they belong to the old start
-    std::vector<Eigen::Affine3d> motions =
-        OtherStarts(samples.Places(matched, asItLies), fitter.sampleNormal, target, threads);
-    const std::size_t most = motions.size() + 3; // with those of tryScaled
+    const double strained = StrainOf(region, graph), on = OnIt() - aLimb, unreached = matches->Unreached() + aLimb;
+    const bool isPressed = strained > pressed;
+    std::vector<OtherStart> starts = OtherStarts(samples.Places(matched, asItLies), fitter.sampleNormal, target,
+                                                 MotionOfMost(asItLies.position, graph.position, 1),
+                                                 isPressed || std::abs(GrowthOf(region, graph) - 1) > grows, threads);
+    if (starts.empty())
+        return;
+    ends.clear();                               // they belong to the old start
+    const std::size_t most = starts.size() + 3; // with those of tryScaled
     const auto scaleOf = [](const Eigen::Affine3d &motion) { return motion.linear().col(0).norm(); };
     // If one scale explains most of the strain of the present fit, that is the next start.
     const auto tryScaled = [&](std::size_t next) {
         const double growth = GrowthOf(region, graph);
         if (std::abs(growth - 1) > grows && StrainOf(region, Grown(graph, growth)) < farLess * StrainOf(region, graph))
-            motions.insert(motions.begin() + std::ptrdiff_t(next),
-                           MotionOfMost(asItLies.position, graph.position, growth));
+            starts.insert(starts.begin() + std::ptrdiff_t(next),
+                          {MotionOfMost(asItLies.position, graph.position, growth), false});
     };
     tryScaled(0);
     Kept asItLay = SetAside();
     const GraphPose first = start;
-    double least = farLess * strained;
+    double least = strained;
+    bool isFound = false;
     Eigen::Affine3d began = Eigen::Affine3d::Identity();
-    for (std::size_t m = 0; m < motions.size() && least >= farLess * farLess * std::min(strained, pressed); ++m) {
-        const bool isScaled = std::abs(scaleOf(motions[m]) - 1) > grows;
-        start = Moved(asItLies, motions[m]);
+    for (std::size_t m = 0; m < starts.size() && !(isFound && least < farLess * std::max(farLess * strained, pressed));
+         ++m) {
+        const OtherStart each = starts[m];
+        const bool isScaled = std::abs(scaleOf(each.motion) - 1) > grows;
+        start = Moved(asItLies, each.motion);
         Draw(progress.Slice(0.75 * double(m) / double(most), 0.75 * double(m + 1) / double(most)));
         if (!isScaled)
             tryScaled(m + 1);
-        if (const double strain = StrainOf(region, graph); strain < least && OnIt() >= on) {
+        if (const double strain = StrainOf(region, graph); strain < least &&
+                                                           (each.isNearer || strain < farLess * strained) &&
+                                                           (OnIt() >= on || matches->Unreached() <= unreached)) {
             least = strain;
+            isFound = true;
             began = MotionOfMost(asItLies.position, graph.position,
-                                 isScaled ? scaleOf(motions[m]) * GrowthOf(region, graph) : 1);
+                                 isScaled ? scaleOf(each.motion) * GrowthOf(region, graph) : 1);
         }
     }
-    if (least < farLess * strained) {
+    if (isFound) {
         report = asItLay.report;
         start = Moved(asItLies, began);
         Lay(progress.Slice(0.75, 1));

@@ -4,6 +4,7 @@
 #include <vcg_ext/base/rotation_fit.h>
 #include <vcg_ext/fit/fit_matches.h>
 #include <vcg_ext/fit/fit_start.h>
+#include <vcg_ext/fit/fit_turns.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD> // umeyama needs it
@@ -47,12 +48,16 @@ namespace {
 constexpr double better = 0.8;
 // The misfit of a mirror image over that of the best rotation, below which the target is mirrored.
 constexpr double farBetter = 0.5;
-constexpr double apart = 0.01;   // of the diagonal: below this misfit, a shape is its own mirror image
+// Of the diagonal: below this misfit, a shape is its own mirror image, and lies the right way round.
+constexpr double apart = 0.01;
 constexpr std::size_t few = 200; // points that are enough to tell
 // Bending changes the radius by some percent. The fit itself finds smaller differences of size.
 constexpr double someSize = 0.1;
-constexpr int mostRounds = 30;       // of MotionOfMost: a limb that is turned by 90 degrees takes twenty
-constexpr std::size_t waysTried = 2; // if two axes are alike, the best one may be the wrong one
+constexpr int mostRounds = 30; // of MotionOfMost: a limb that is turned by 90 degrees takes twenty
+// The nearest ways are tried, as a bend changes the distances: those whose misfit is less than asNear times the least.
+// (It was .008 and .010 for a bent head the right and a wrong way round, .005 and .02 for a body with limbs.)
+constexpr std::size_t waysTried = 3;
+constexpr double asNear = 1.5;
 
 /// The misfit of moved points: the sum of the nearest four fifths of the distances from the target. Where normals
 /// disagree, a distance counts three times. The target's normals are tried as they are and flipped.
@@ -144,25 +149,29 @@ Eigen::Affine3d StartFromAfar(const std::vector<Eigen::Vector3d> &points, const 
     return least > better * unturned ? shift : best;
 }
 
-std::vector<Eigen::Affine3d> OtherStarts(const std::vector<Eigen::Vector3d> &points,
-                                         const std::vector<Eigen::Vector3d> &normal, const FitTarget &target,
-                                         unsigned threads) {
+std::vector<OtherStart> OtherStarts(const std::vector<Eigen::Vector3d> &points,
+                                    const std::vector<Eigen::Vector3d> &normal, const FitTarget &target,
+                                    const Eigen::Affine3d &reached, bool isPressed, unsigned threads) {
     const Moments own = MomentsOf(points), &its = target.Spread();
     const double larger = its.Radius() / std::max(own.Radius(), 1e-12);
-    std::vector<Eigen::Affine3d> starts;
+    const FitTurns turns(points, normal, target);
+    const double present = turns.Misfit(reached);
+    std::vector<OtherStart> starts;
+    if (present <= apart && !isPressed)
+        return starts;
     for (const double scale : {1.0, larger}) {
         if (scale != 1 && std::abs(scale - 1) < someSize)
             continue;
-        const Eigen::Affine3d scaled =
-            Eigen::Translation3d(its.Middle()) * Eigen::Scaling(scale) * Eigen::Translation3d(-its.Middle());
         if (scale != 1)
-            starts.push_back(scaled * Eigen::Translation3d(its.Middle() - own.Middle()));
-        std::vector<std::pair<double, Eigen::Affine3d>> ways;
-        for (const Eigen::Affine3d &motion : OntoAxes(points, target, false))
-            ways.emplace_back(Misfit(points, normal, scaled * motion, target, threads), scaled * motion);
-        std::stable_sort(ways.begin(), ways.end(), [](const auto &a, const auto &b) { return a.first < b.first; });
-        for (std::size_t i = 0; i < waysTried; ++i)
-            starts.push_back(ways[i].second);
+            starts.push_back(
+                {Eigen::Translation3d(its.Middle()) * Eigen::Scaling(scale) * Eigen::Translation3d(-own.Middle()),
+                 false});
+        const std::vector<Way> ways = turns.Ways(scale, OntoAxes(points, target, false), threads);
+        for (std::size_t k = 0; k < ways.size() && k < waysTried && ways[k].misfit < asNear * ways[0].misfit; ++k)
+            starts.push_back({ways[k].motion, ways[k].misfit < farBetter * present});
+        if (!isPressed &&
+            std::none_of(starts.begin(), starts.end(), [](const OtherStart &each) { return each.isNearer; }))
+            return {};
     }
     return starts;
 }

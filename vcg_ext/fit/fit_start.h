@@ -29,11 +29,19 @@ Eigen::Affine3d StartFromAxes(const std::vector<Eigen::Vector3d> &points, const 
 Eigen::Affine3d StartFromAfar(const std::vector<Eigen::Vector3d> &points, const std::vector<Eigen::Vector3d> &normal,
                               const FitTarget &target, unsigned threads, bool &isSure);
 
-/// Starts to try instead of the present position: the best two of the motions of StartFromAxes; and, if the target has
-/// another radius, also scaled, and scaled without a rotation. \param points, normal as of StartFromAxes
-std::vector<Eigen::Affine3d> OtherStarts(const std::vector<Eigen::Vector3d> &points,
-                                         const std::vector<Eigen::Vector3d> &normal, const FitTarget &target,
-                                         unsigned threads);
+/// A start to try instead of the present position.
+struct OtherStart {
+    Eigen::Affine3d motion;
+    bool isNearer; ///< so, the surface at rest lies far nearer to the target than after the fit's motion
+};
+
+/// Starts to try instead of the present position: the best motions of FitTurns; and, if the target has another radius,
+/// also scaled, and scaled without a rotation. \param points, normal as of StartFromAxes \param reached the motion of
+/// most of the surface in the fit from the present position \param isPressed that fit is strained; if not, there are
+/// starts only if one of them is nearer
+std::vector<OtherStart> OtherStarts(const std::vector<Eigen::Vector3d> &points,
+                                    const std::vector<Eigen::Vector3d> &normal, const FitTarget &target,
+                                    const Eigen::Affine3d &reached, bool isPressed, unsigned threads);
 
 /// The rms strain of a graph's edges in a pose: the square root of the first part of Eq. 2, over its value if all edges
 /// shrank to nothing.

@@ -14,6 +14,7 @@
 #include <vcg_ext/fit/fit_start.cpp>          // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fit/fit_system.cpp>         // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fit/fit_target.cpp>         // NOLINT(bugprone-suspicious-include)
+#include <vcg_ext/fit/fit_turns.cpp>          // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fit/one_sided.cpp>          // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fitter.cpp>                 // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fitter_curves.cpp>          // NOLINT(bugprone-suspicious-include)

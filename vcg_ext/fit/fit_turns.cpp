@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/elementary.h>
+#include <vcg_ext/base/parallel.h>
+#include <vcg_ext/base/rotation_fit.h>
+#include <vcg_ext/fit/fit_matches.h>
+#include <vcg_ext/fit/fit_turns.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace vcg::fcd {
+
+namespace {
+
+// So many points of each surface are looked at, in so many rounds from each start, and in more from the best ones.
+constexpr std::size_t looked = 150, bestWays = 12;
+constexpr int firstRounds = 8, moreRounds = 20;
+// A pair draws along the plane by this share of how it draws across it.
+constexpr double along = 0.05;
+// Where normals disagree, a distance counts so many times.
+constexpr double wrongSide = 3;
+// Two ways are the same if one is turned by less than 30 degrees against the other.
+constexpr double sameTurn = 0.8660254037844387;
+
+/// The 60 rotations of an icosahedron: those of a tetrahedron, after none to four turns by 72 degrees. None is farther
+/// than 45 degrees from the nearest of them.
+std::vector<Eigen::Matrix3d> Icosahedral() {
+    constexpr double golden = 1.618033988749895;
+    const Eigen::Matrix3d fifth = detail::ToMatrix(Eigen::Vector4d(golden, 1, 1 / golden, 0) / 2);
+    std::vector<Eigen::Matrix3d> all;
+    Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+    for (int k = 0; k < 5; ++k, turn = fifth * turn)
+        for (int cycle = 0; cycle < 3; ++cycle)
+            for (int half = 0; half < 4; ++half) { // none, or by 180 degrees about an axis
+                Eigen::Matrix3d each = Eigen::Matrix3d::Zero();
+                for (int d = 0; d < 3; ++d)
+                    each((d + cycle) % 3, d) = half == 0 || half == d + 1 ? 1 : -1;
+                all.push_back(turn * each);
+            }
+    return all;
+}
+
+} // namespace
+
+FitTurns::Side FitTurns::Prepared(std::vector<Eigen::Vector3d> place) {
+    Side side;
+    side.stride = 1 + (std::max<std::size_t>(place.size(), 1) - 1) / looked;
+    side.place = std::move(place);
+    side.middle.setZero();
+    for (const Eigen::Vector3d &p : side.place)
+        side.middle += p / double(side.place.size());
+    if (!side.place.empty())
+        side.tree = std::make_unique<PointTree<double>>(side.place);
+    return side;
+}
+
+FitTurns::FitTurns(const std::vector<Eigen::Vector3d> &points, const std::vector<Eigen::Vector3d> &normal,
+                   const FitTarget &target)
+    : own(Prepared(points)) {
+    own.normal = normal;
+    own.normal.resize(points.size(), Eigen::Vector3d::Zero());
+    own.isOriented.assign(points.size(), 1);
+    std::vector<Eigen::Vector3d> place, itsNormal;
+    std::vector<char> isOriented;
+    for (const FitTarget::Match &match : target.Places(points.size())) {
+        place.push_back(match.point);
+        itsNormal.push_back(match.normal);
+        isOriented.push_back(match.isOriented);
+    }
+    its = Prepared(std::move(place));
+    its.normal = std::move(itsNormal);
+    its.isOriented = std::move(isOriented);
+}
+
+/// The mean distance of one side from the other, in units of \p to. The normals of the two are tried as they are and
+/// flipped.
+double FitTurns::MeanFar(const Side &from, const Side &to, const Eigen::Affine3d &motion, double scale) {
+    double sum[2] = {0, 0};
+    for (std::size_t i = 0; i < from.place.size(); i += from.stride) {
+        double far = 0;
+        const Index j = to.tree->Nearest(motion * from.place[i], &far);
+        const double cosine =
+            from.isOriented[i] && to.isOriented[j] ? to.normal[j].dot(motion.linear() * from.normal[i]) / scale : 0;
+        sum[0] += far * (cosine < 0 ? wrongSide : 1);
+        sum[1] += far * (cosine > 0 ? wrongSide : 1);
+    }
+    return std::min(sum[0], sum[1]) / double(from.Count());
+}
+
+double FitTurns::Misfit(const Eigen::Affine3d &motion, double scale) const {
+    if (!own.tree || !its.tree)
+        return 0;
+    return std::min(MeanFar(own, its, motion, scale), scale * MeanFar(its, own, motion.inverse(), 1 / scale));
+}
+
+/// Moves the surface nearer to the target, by planes through pairs of nearest points. Pairs count by the weights of
+/// Geman and McClure, as wide as the median distance of that side that lies on the other.
+Way FitTurns::Nearer(Way way, double scale, int rounds) const {
+    const std::size_t ownCount = own.Count(), count = ownCount + its.Count();
+    std::vector<Eigen::Vector3d> from(count), to(count), n(count);
+    std::vector<double> cosine(count), distance(count);
+    for (int round = 0; round < rounds; ++round) {
+        const Eigen::Affine3d back = way.motion.inverse();
+        for (std::size_t k = 0; k < count; ++k) {
+            const bool isOwn = k < ownCount;
+            const Eigen::Vector3d p = isOwn ? own.place[k * own.stride] : its.place[(k - ownCount) * its.stride];
+            const std::size_t i = isOwn ? k * own.stride : std::size_t(own.tree->Nearest(back * p)),
+                              j = isOwn ? std::size_t(its.tree->Nearest(way.motion * p)) : (k - ownCount) * its.stride;
+            from[k] = way.motion * own.place[i];
+            to[k] = its.place[j];
+            n[k] = its.normal[j];
+            distance[k] = (from[k] - to[k]).norm();
+            cosine[k] = its.isOriented[j] ? n[k].dot(way.motion.linear() * own.normal[i]) / scale : 0;
+        }
+        const auto half = distance.begin() + std::ptrdiff_t(ownCount);
+        const double width = std::max(
+                         {std::min(Quantile({distance.begin(), half}, 0.5), Quantile({half, distance.end()}, 0.5)),
+                          FitMatches::least}),
+                     side = SideOfNearest(distance, cosine);
+        Eigen::Matrix<double, 6, 6> form = Eigen::Matrix<double, 6, 6>::Zero();
+        Eigen::Matrix<double, 6, 1> gradient = Eigen::Matrix<double, 6, 1>::Zero();
+        const Eigen::Vector3d middle = way.motion * own.middle;
+        for (std::size_t k = 0; k < count; ++k) {
+            if (side * cosine[k] < 0)
+                continue;
+            const double weight = 1 / detail::Squared(1 + detail::Squared(distance[k] / width));
+            const Eigen::Vector3d lever = from[k] - middle;
+            Eigen::Matrix<double, 3, 6> move; // by a small turn, and a shift
+            move << 0, lever[2], -lever[1], 1, 0, 0, -lever[2], 0, lever[0], 0, 1, 0, lever[1], -lever[0], 0, 0, 0, 1;
+            const Eigen::Matrix3d across =
+                weight * (n[k] * n[k].transpose() + (n[k].isZero(0) ? 1 : along) * Eigen::Matrix3d::Identity());
+            form += move.transpose() * across * move;
+            gradient += move.transpose() * across * (to[k] - from[k]);
+        }
+        form.diagonal().array() += 1e-12 * (form.trace() + 1e-300);
+        const Eigen::Matrix<double, 6, 1> step = form.ldlt().solve(gradient);
+        const Eigen::Matrix3d turn =
+            detail::ToMatrix(Eigen::Vector4d(1, step[0] / 2, step[1] / 2, step[2] / 2).normalized());
+        way.motion = Eigen::Translation3d(middle + step.tail<3>()) * turn * Eigen::Translation3d(-middle) * way.motion;
+    }
+    way.misfit = Misfit(way.motion, scale);
+    return way;
+}
+
+std::vector<Way> FitTurns::Ways(double scale, std::vector<Eigen::Affine3d> start, unsigned threads) const {
+    if (!own.tree || !its.tree)
+        return {};
+    for (const Eigen::Matrix3d &turn : Icosahedral())
+        start.push_back(Eigen::Translation3d(its.middle) * turn * Eigen::Translation3d(-own.middle));
+    std::vector<Way> ways(start.size());
+    const auto nearer = [&](int rounds) {
+        ParallelFor(threads, ways.size(), 4, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t k = begin; k < end; ++k)
+                ways[k] = Nearer(ways[k], scale, rounds);
+        });
+        std::stable_sort(ways.begin(), ways.end(), [](const Way &a, const Way &b) { return a.misfit < b.misfit; });
+    };
+    for (std::size_t k = 0; k < start.size(); ++k) {
+        ways[k].motion = start[k];
+        ways[k].motion.linear() *= scale;
+        ways[k].motion.translation() = start[k] * own.middle - ways[k].motion.linear() * own.middle;
+    }
+    nearer(firstRounds);
+    ways.resize(std::min(ways.size(), bestWays));
+    nearer(moreRounds);
+    std::vector<Way> unlike;
+    for (const Way &way : ways)
+        if (std::none_of(unlike.begin(), unlike.end(), [&](const Way &other) {
+                return ((other.motion.linear().transpose() * way.motion.linear()).trace() / (scale * scale) - 1) / 2 >
+                       sameTurn;
+            }))
+            unlike.push_back(way);
+    return unlike;
+}
+
+} // namespace vcg::fcd
