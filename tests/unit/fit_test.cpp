@@ -1021,20 +1021,6 @@ TEST(Fit, FindsTheScaleOfWhatIsBent) {
     EXPECT_EQ(said.find("turned by"), std::string::npos);
 }
 
-// Most of this surface is round, so a limb that lies elsewhere strains it little: distances tell that it is turned.
-TEST(Fit, FindsTheTurnOfWhatIsRound) {
-    if (sanitized)
-        return; // the limb needs many samples
-    const Shape from = OneLimbed(50, 0), to = OneLimbed(57, 0.1), belongs = OneLimbed(50, 0.1);
-    FitParam param = Small();
-    param.samples = 2000;
-    const double straight = Rms(Fit(from, to, param), belongs);
-    const Eigen::Affine3d away(Eigen::AngleAxisd(2.6, Vector3d(2, 1, 0).normalized()));
-    const Fitted fitted = Fit(from, Moved(to, away), param);
-    EXPECT_LT(Rms(fitted, Moved(belongs, away)), 1.5 * straight);
-    EXPECT_NEAR(fitted.report.turnedBy, 2.6, 0.2);
-}
-
 // The body tells, though the mean of all is turned and lies elsewhere.
 TEST(Fit, AMotionOfMostIsThatOfTheBody) {
     const Shape body = Lumpy(20), limb = Ball(Vector3d(9, 0, 0), 1, 8);
