@@ -33,6 +33,9 @@ constexpr double aLimb = 0.01;
 // surface is nearer so at rest. Shapes made by formula had 0.36 and more if they lay turned, a head that lay turned by
 // 60 degrees 0.23, and a hand with touching fingers that lay right 0.19.
 constexpr double pressed = 0.2, farLess = 0.5;
+// Below this strain the surface lies the right way round. Shapes made by formula, and scans with holes, that lay right
+// had at most 0.09; a tube that lay turned by 90 degrees had 0.13.
+constexpr double unstrained = 0.1;
 // Other starts are also tried if the edges grow or shrink by more than this share: the target has another size. Of
 // shapes made by formula and bent by up to 80 degrees, the right size let them grow by 0.005 at most.
 constexpr double grows = 0.1;
@@ -192,9 +195,10 @@ void Fitter::Run::Lay(const Progress &progress) {
 /// it lies on the target, or as little of that is unreached (all of a part may lie on the surface). The fit then begins
 /// anew from where most of the surface went, with the scale that it found.
 void Fitter::Run::TryOtherStarts(const Progress &progress) {
-    if (!fitter.MayBegin(report, isLed))
+    const double strained = StrainOf(region, graph);
+    if (strained < unstrained || !fitter.MayBegin(report, isLed))
         return;
-    const double strained = StrainOf(region, graph), on = OnIt() - aLimb, unreached = matches->Unreached() + aLimb;
+    const double on = OnIt() - aLimb, unreached = matches->Unreached() + aLimb;
     const bool isPressed = strained > pressed;
     std::vector<OtherStart> starts = OtherStarts(samples.Places(matched, asItLies), fitter.sampleNormal, target,
                                                  MotionOfMost(asItLies.position, graph.position, 1),

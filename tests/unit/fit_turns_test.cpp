@@ -53,15 +53,15 @@ double Off(const Shape &shape, const Shape &target, const Eigen::Affine3d &away,
     const Arrays arrays = Read(to);
     const FitTarget prepared(arrays.View(), {}, Eigen::Affine3d::Identity());
     const FitTurns turns(shape.position, {}, prepared);
-    const std::vector<Way> ways = turns.Ways(scale, {}, 1);
-    EXPECT_FALSE(ways.empty());
+    const std::vector<Alignment> alignments = turns.Best(scale, {}, 1);
+    EXPECT_FALSE(alignments.empty());
     double squares = 0;
     for (const Vector3d &p : shape.position)
-        squares += (ways.front().motion * p - away * p).squaredNorm();
-    for (const Way &way : ways)
-        EXPECT_LE(ways.front().misfit, way.misfit);
+        squares += (alignments.front().motion * p - away * p).squaredNorm();
+    for (const Alignment &alignment : alignments)
+        EXPECT_LE(alignments.front().misfit, alignment.misfit);
     if (scale == 1)
-        EXPECT_LT(ways.front().misfit, 0.5 * turns.Misfit(Eigen::Affine3d::Identity()));
+        EXPECT_LT(alignments.front().misfit, 0.5 * turns.Misfit(Eigen::Affine3d::Identity()));
     return std::sqrt(squares / double(shape.position.size()));
 }
 

@@ -54,9 +54,9 @@ constexpr std::size_t few = 200; // points that are enough to tell
 // Bending changes the radius by some percent. The fit itself finds smaller differences of size.
 constexpr double someSize = 0.1;
 constexpr int mostRounds = 30; // of MotionOfMost: a limb that is turned by 90 degrees takes twenty
-// The nearest ways are tried, as a bend changes the distances: those whose misfit is less than asNear times the least.
-// (It was .008 and .010 for a bent head the right and a wrong way round, .005 and .02 for a body with limbs.)
-constexpr std::size_t waysTried = 3;
+// The best alignments are tried, as a bend changes the distances: those whose misfit is less than asNear times the
+// least. (It was .008 and .010 for a bent head the right and a wrong way round, .005 and .02 for a body with limbs.)
+constexpr std::size_t alignmentsTried = 3;
 constexpr double asNear = 1.5;
 
 /// The misfit of moved points: the sum of the nearest four fifths of the distances from the target. Where normals
@@ -166,9 +166,10 @@ std::vector<OtherStart> OtherStarts(const std::vector<Eigen::Vector3d> &points,
             starts.push_back(
                 {Eigen::Translation3d(its.Middle()) * Eigen::Scaling(scale) * Eigen::Translation3d(-own.Middle()),
                  false});
-        const std::vector<Way> ways = turns.Ways(scale, OntoAxes(points, target, false), threads);
-        for (std::size_t k = 0; k < ways.size() && k < waysTried && ways[k].misfit < asNear * ways[0].misfit; ++k)
-            starts.push_back({ways[k].motion, ways[k].misfit < farBetter * present});
+        const std::vector<Alignment> alignments = turns.Best(scale, OntoAxes(points, target, false), threads);
+        for (std::size_t k = 0;
+             k < alignments.size() && k < alignmentsTried && alignments[k].misfit < asNear * alignments[0].misfit; ++k)
+            starts.push_back({alignments[k].motion, alignments[k].misfit < farBetter * present});
         if (!isPressed &&
             std::none_of(starts.begin(), starts.end(), [](const OtherStart &each) { return each.isNearer; }))
             return {};

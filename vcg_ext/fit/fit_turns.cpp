@@ -16,13 +16,13 @@ namespace vcg::fcd {
 namespace {
 
 // So many points of each surface are looked at, in so many rounds from each start, and in more from the best ones.
-constexpr std::size_t looked = 150, bestWays = 12;
+constexpr std::size_t looked = 150, bestAlignments = 12;
 constexpr int firstRounds = 8, moreRounds = 20;
 // A pair draws along the plane by this share of how it draws across it.
 constexpr double along = 0.05;
 // Where normals disagree, a distance counts so many times.
 constexpr double wrongSide = 3;
-// Two ways are the same if one is turned by less than 30 degrees against the other.
+// Two alignments are the same if one is turned by less than 30 degrees against the other.
 constexpr double sameTurn = 0.8660254037844387;
 
 /// The 60 rotations of an icosahedron: those of a tetrahedron, after none to four turns by 72 degrees. None is farther
@@ -98,22 +98,23 @@ double FitTurns::Misfit(const Eigen::Affine3d &motion, double scale) const {
 
 /// Moves the surface nearer to the target, by planes through pairs of nearest points. Pairs count by the weights of
 /// Geman and McClure, as wide as the median distance of that side that lies on the other.
-Way FitTurns::Nearer(Way way, double scale, int rounds) const {
+Alignment FitTurns::Nearer(Alignment alignment, double scale, int rounds) const {
     const std::size_t ownCount = own.Count(), count = ownCount + its.Count();
     std::vector<Eigen::Vector3d> from(count), to(count), n(count);
     std::vector<double> cosine(count), distance(count);
     for (int round = 0; round < rounds; ++round) {
-        const Eigen::Affine3d back = way.motion.inverse();
+        const Eigen::Affine3d back = alignment.motion.inverse();
         for (std::size_t k = 0; k < count; ++k) {
             const bool isOwn = k < ownCount;
             const Eigen::Vector3d p = isOwn ? own.place[k * own.stride] : its.place[(k - ownCount) * its.stride];
             const std::size_t i = isOwn ? k * own.stride : std::size_t(own.tree->Nearest(back * p)),
-                              j = isOwn ? std::size_t(its.tree->Nearest(way.motion * p)) : (k - ownCount) * its.stride;
-            from[k] = way.motion * own.place[i];
+                              j = isOwn ? std::size_t(its.tree->Nearest(alignment.motion * p))
+                                        : (k - ownCount) * its.stride;
+            from[k] = alignment.motion * own.place[i];
             to[k] = its.place[j];
             n[k] = its.normal[j];
             distance[k] = (from[k] - to[k]).norm();
-            cosine[k] = its.isOriented[j] ? n[k].dot(way.motion.linear() * own.normal[i]) / scale : 0;
+            cosine[k] = its.isOriented[j] ? n[k].dot(alignment.motion.linear() * own.normal[i]) / scale : 0;
         }
         const auto half = distance.begin() + std::ptrdiff_t(ownCount);
         const double width = std::max(
@@ -122,7 +123,7 @@ Way FitTurns::Nearer(Way way, double scale, int rounds) const {
                      side = SideOfNearest(distance, cosine);
         Eigen::Matrix<double, 6, 6> form = Eigen::Matrix<double, 6, 6>::Zero();
         Eigen::Matrix<double, 6, 1> gradient = Eigen::Matrix<double, 6, 1>::Zero();
-        const Eigen::Vector3d middle = way.motion * own.middle;
+        const Eigen::Vector3d middle = alignment.motion * own.middle;
         for (std::size_t k = 0; k < count; ++k) {
             if (side * cosine[k] < 0)
                 continue;
@@ -139,40 +140,43 @@ Way FitTurns::Nearer(Way way, double scale, int rounds) const {
         const Eigen::Matrix<double, 6, 1> step = form.ldlt().solve(gradient);
         const Eigen::Matrix3d turn =
             detail::ToMatrix(Eigen::Vector4d(1, step[0] / 2, step[1] / 2, step[2] / 2).normalized());
-        way.motion = Eigen::Translation3d(middle + step.tail<3>()) * turn * Eigen::Translation3d(-middle) * way.motion;
+        alignment.motion =
+            Eigen::Translation3d(middle + step.tail<3>()) * turn * Eigen::Translation3d(-middle) * alignment.motion;
     }
-    way.misfit = Misfit(way.motion, scale);
-    return way;
+    alignment.misfit = Misfit(alignment.motion, scale);
+    return alignment;
 }
 
-std::vector<Way> FitTurns::Ways(double scale, std::vector<Eigen::Affine3d> start, unsigned threads) const {
+std::vector<Alignment> FitTurns::Best(double scale, std::vector<Eigen::Affine3d> start, unsigned threads) const {
     if (!own.tree || !its.tree)
         return {};
     for (const Eigen::Matrix3d &turn : Icosahedral())
         start.push_back(Eigen::Translation3d(its.middle) * turn * Eigen::Translation3d(-own.middle));
-    std::vector<Way> ways(start.size());
+    std::vector<Alignment> alignments(start.size());
     const auto nearer = [&](int rounds) {
-        ParallelFor(threads, ways.size(), 4, [&](std::size_t begin, std::size_t end) {
+        ParallelFor(threads, alignments.size(), 4, [&](std::size_t begin, std::size_t end) {
             for (std::size_t k = begin; k < end; ++k)
-                ways[k] = Nearer(ways[k], scale, rounds);
+                alignments[k] = Nearer(alignments[k], scale, rounds);
         });
-        std::stable_sort(ways.begin(), ways.end(), [](const Way &a, const Way &b) { return a.misfit < b.misfit; });
+        std::stable_sort(alignments.begin(), alignments.end(),
+                         [](const Alignment &a, const Alignment &b) { return a.misfit < b.misfit; });
     };
     for (std::size_t k = 0; k < start.size(); ++k) {
-        ways[k].motion = start[k];
-        ways[k].motion.linear() *= scale;
-        ways[k].motion.translation() = start[k] * own.middle - ways[k].motion.linear() * own.middle;
+        alignments[k].motion = start[k];
+        alignments[k].motion.linear() *= scale;
+        alignments[k].motion.translation() = start[k] * own.middle - alignments[k].motion.linear() * own.middle;
     }
     nearer(firstRounds);
-    ways.resize(std::min(ways.size(), bestWays));
+    alignments.resize(std::min(alignments.size(), bestAlignments));
     nearer(moreRounds);
-    std::vector<Way> unlike;
-    for (const Way &way : ways)
-        if (std::none_of(unlike.begin(), unlike.end(), [&](const Way &other) {
-                return ((other.motion.linear().transpose() * way.motion.linear()).trace() / (scale * scale) - 1) / 2 >
+    std::vector<Alignment> unlike;
+    for (const Alignment &alignment : alignments)
+        if (std::none_of(unlike.begin(), unlike.end(), [&](const Alignment &other) {
+                return ((other.motion.linear().transpose() * alignment.motion.linear()).trace() / (scale * scale) - 1) /
+                           2 >
                        sameTurn;
             }))
-            unlike.push_back(way);
+            unlike.push_back(alignment);
     return unlike;
 }
 

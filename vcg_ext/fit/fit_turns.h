@@ -13,7 +13,7 @@
 namespace vcg::fcd {
 
 /// A motion of a surface, and how badly it then lies on its target.
-struct Way {
+struct Alignment {
     Eigen::Affine3d motion;
     /// Mean distance, frame units: of the surface from the target, or of the target from the
     /// surface, which is smaller, as either may be a part of the other.
@@ -33,7 +33,7 @@ class FitTurns {
 
     /// The best motions with a scale, best first, each turned by 30 degrees or more against those before.
     /// \param start motions without a scale to begin from, too
-    std::vector<Way> Ways(double scale, std::vector<Eigen::Affine3d> start, unsigned threads) const;
+    std::vector<Alignment> Best(double scale, std::vector<Eigen::Affine3d> start, unsigned threads) const;
 
   private:
     /// One of the two surfaces.
@@ -48,7 +48,7 @@ class FitTurns {
     static Side Prepared(std::vector<Eigen::Vector3d> place);
     static double MeanFar(const Side &from, const Side &to, const Eigen::Affine3d &motion, double scale);
     double Misfit(const Eigen::Affine3d &motion, double scale) const;
-    Way Nearer(Way way, double scale, int rounds) const;
+    Alignment Nearer(Alignment alignment, double scale, int rounds) const;
 
     Side own, its;
 };
