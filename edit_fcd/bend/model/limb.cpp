@@ -117,19 +117,19 @@ double BendReach::radiusAtEnd(std::size_t slot, double usual) const {
 }
 
 /// The end of a limb that is too short to have anything beyond a handle, if the vertex turns with it: the vertex around
-/// that is farthest from the middle of the body.
+/// that is farthest from the center of the body.
 std::optional<std::size_t> BendReach::endOfShortLimb(const Pointed &at) {
     const vcg::fcd::Graph &graph = surface->graph;
-    Eigen::Vector3f middle = Eigen::Vector3f::Zero();
+    Eigen::Vector3f center = Eigen::Vector3f::Zero();
     float all = 0;
     for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
-        middle += surface->nodeArea[std::size_t(u)] * graph.position.col(u);
+        center += surface->nodeArea[std::size_t(u)] * graph.position.col(u);
         all += surface->nodeArea[std::size_t(u)];
     }
-    middle /= all;
+    center /= all;
     const std::vector<vcg::fcd::Index> ball = nodesWithin({at.slot}, 2 * at.usual);
     const vcg::fcd::Index end = *std::max_element(ball.begin(), ball.end(), [&](vcg::fcd::Index u, vcg::fcd::Index v) {
-        return (graph.position.col(u) - middle).squaredNorm() < (graph.position.col(v) - middle).squaredNorm();
+        return (graph.position.col(u) - center).squaredNorm() < (graph.position.col(v) - center).squaredNorm();
     });
     const std::size_t slot = slotOf(end);
     const double radius = radiusAtEnd(slot, at.usual);

@@ -113,12 +113,12 @@ void DragInteraction::beginPrepared() {
 void DragInteraction::showInfluence() {
     const BendModel &model = stage.session->model();
     const int tag = first ? first : now->tag; // all that moves is of its extent
-    MarkColors::Extents turned;
+    MarkColors::Extents turning;
     for (const int each : {tag, mirrored(model, tag)})
         if (const auto found = model.influence.extents.find(each);
             found != model.influence.extents.end() && isGrip(model.state, each))
-            turned.push_back(found->second);
-    stage.colors->preview(std::move(turned));
+            turning.push_back(found->second);
+    stage.colors->preview(std::move(turning));
     stage.showOverlay();
 }
 
