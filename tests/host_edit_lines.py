@@ -11,7 +11,7 @@ from host_edit import MIDDLE, VERSION, load, tube_of, write_ply
 from host_edit import window # noqa: F401, a fixture
 from host_edit_fit import answer
 from host_edit_hands import LIT, colored, state_text
-from host_edit_state import choose_layer
+from host_edit_state import EYE, choose_layer
 from host_meshlabserver import Run, straighten_filter
 
 pytestmark = host_edit.pytestmark
@@ -162,6 +162,7 @@ def test_the_line_that_is_used_is_shown(window, tmp_path):
 
     (tmp_path / "far.csv").write_text("0, 9, 0\n0, 9, 1\n")
     choose_layer(w, 0)
+    w.click(EYE)
     w.key("n")
     answer(w, "loadline", "Load line", str(tmp_path / "far.csv"))
     w.until("no line", lambda: lines_found(w)[-1] == (2, "0")) # the panel says why

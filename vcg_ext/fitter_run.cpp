@@ -223,19 +223,19 @@ void Fitter::Run::TryOtherStarts(const Progress &progress) {
     Eigen::Affine3d began = Eigen::Affine3d::Identity();
     for (std::size_t m = 0; m < starts.size() && !(isFound && least < farLess * std::max(farLess * strained, pressed));
          ++m) {
-        const OtherStart each = starts[m];
-        const bool isScaled = std::abs(scaleOf(each.motion) - 1) > grows;
-        start = Moved(asItLies, each.motion);
+        const auto [motion, isNearer] = starts[m]; // a copy: starts grows
+        const bool isScaled = std::abs(scaleOf(motion) - 1) > grows;
+        start = Moved(asItLies, motion);
         Draw(progress.Slice(0.75 * double(m) / double(most), 0.75 * double(m + 1) / double(most)));
         if (!isScaled)
             tryScaled(m + 1);
         if (const double strain = StrainOf(region, graph); strain < least &&
-                                                           (each.isNearer || strain < farLess * strained) &&
+                                                           (isNearer || strain < farLess * strained) &&
                                                            (OnIt() >= on || matches->Unreached() <= unreached)) {
             least = strain;
             isFound = true;
             began = MotionOfMost(asItLies.position, graph.position,
-                                 isScaled ? scaleOf(each.motion) * GrowthOf(region, graph) : 1);
+                                 isScaled ? scaleOf(motion) * GrowthOf(region, graph) : 1);
         }
     }
     if (isFound) {

@@ -116,6 +116,7 @@ std::vector<TriedPlane> TryPlanes(const std::vector<MirrorPlane> &planes, const 
 
 std::vector<double> SortedMisfits(const std::vector<TriedPlane> &all) {
     std::vector<double> misfit;
+    misfit.reserve(all.size());
     for (const TriedPlane &each : all)
         misfit.push_back(each.misfit);
     std::sort(misfit.begin(), misfit.end());

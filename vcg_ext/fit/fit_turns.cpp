@@ -38,7 +38,7 @@ std::vector<Eigen::Matrix3d> Icosahedral() {
                 Eigen::Matrix3d each = Eigen::Matrix3d::Zero();
                 for (int d = 0; d < 3; ++d)
                     each((d + cycle) % 3, d) = half == 0 || half == d + 1 ? 1 : -1;
-                all.push_back(turn * each);
+                all.emplace_back(turn * each);
             }
     return all;
 }

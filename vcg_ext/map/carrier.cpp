@@ -79,7 +79,7 @@ void Carrier::Displacements(const std::vector<SurfacePlace> &place, const std::v
         for (int k = 0; k < place[s].count; ++k) {
             const auto slot = std::size_t(place[s].slot[k]);
             const MovingSurface::Place at = moving.At(slot);
-            map.push_back(Eigen::Matrix3f::Identity());
+            map.emplace_back(Eigen::Matrix3f::Identity());
             moved.push_back(p[s]);
             if (!moves || moving.slotTag[slot] == noVertex || !at.region || !at.region->IsFree(at.node))
                 moved.back() = (*this)(slot, p[s], map.back());

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/elementary.h>
 #include <vcg_ext/solve/affine_deformer.h>
 #include <vcg_ext/solve/anderson.h>
 #include <vcg_ext/solve/common_motion.h>

@@ -113,7 +113,7 @@ double BendReach::radiusAtEnd(std::size_t slot, double usual) const {
         outer += distances[k] > unit - ring ? area : 0;
     }
     const double girth = outer / ring; // the area grows by girth * unit / all as power of the distance
-    return girth * unit < betweenLineAndPlane * all ? 2 * girth / EIGEN_PI * surface->frame.scale : 0;
+    return girth * unit < betweenLineAndPlane * all ? 2 * girth / double(EIGEN_PI) * surface->frame.scale : 0;
 }
 
 /// The end of a limb that is too short to have anything beyond a handle, if the vertex turns with it: the vertex around
