@@ -162,7 +162,6 @@ def test_the_line_that_is_used_is_shown(window, tmp_path):
 
     (tmp_path / "far.csv").write_text("0, 9, 0\n0, 9, 1\n")
     choose_layer(w, 0)
-    w.click(EYE)
     w.key("n")
     answer(w, "loadline", "Load line", str(tmp_path / "far.csv"))
     w.until("no line", lambda: lines_found(w)[-1] == (2, "0")) # the panel says why
@@ -170,6 +169,7 @@ def test_the_line_that_is_used_is_shown(window, tmp_path):
     w.click(w.place("clearline"))
     w.do("mousemove", *w.place("line"), "click", 5) # the wheel: the layer with the line
     w.until("that of the layer", lambda: lines_found(w)[-1] == (0, length))
+    w.click(EYE) # it was hidden for the straight one
     w.shot("of_a_layer")
     assert at(0, 0) > 20
 
