@@ -160,6 +160,10 @@ class Window:
     def text(self):
         return self.log.read_text(errors="replace")
 
+    def said(self):
+        """The text of the panel, and what was traced since it was set."""
+        return self.text().rpartition("trace: says: ")[2]
+
     def wait(self, text, count=1, seconds=60):
         self.until(f"'{text}' in the log", lambda: self.text().count(text) >= count, seconds)
 

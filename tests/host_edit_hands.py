@@ -645,7 +645,7 @@ def test_what_is_typed_is_a_number_or_refused(window, tmp_path):
     for key, text in (("g", "move: move the mouse"), ("r", "turn: move the mouse, X Y Z, degrees; wheel: how far; Enter, Esc; or drag along a limb"),
                       ("s", "scale: move the mouse")):
         w.key(key)
-        assert w.text().rpartition("trace: says: ")[2].startswith("Handle 2: " + text)
+        assert w.said().startswith("Handle 2: " + text)
         w.key("Escape")
     w.key("g", "x", "1", "comma", "5", "Return")
     moved = load(w.save("comma.ply"))[0]
@@ -670,17 +670,17 @@ def test_what_is_typed_is_a_number_or_refused(window, tmp_path):
         w.do("mousemove", X, Y + 200)
         w.shot("typed")
         assert np.array_equal(cells(), before)
-        assert said in w.text().rpartition("trace: says: ")[2]
-    assert "The motion" not in w.text().rpartition("trace: says: ")[2] # what was refused is said until something else is done
+        assert said in w.said()
+    assert "The motion" not in w.said() # what was refused is said until something else is done
     for key in ("Escape", "Return"): # and until it is given up
         w.click((x + width - 70, row), count=2)
         w.key("ctrl+a")
         w.do("type", "foo")
         w.key("Return")
-        assert "The motion" in w.text().rpartition("trace: says: ")[2]
+        assert "The motion" in w.said()
         w.click((x + width - 70, row), count=2)
         w.key(key)
-        w.until("another text", lambda: "The motion" not in w.text().rpartition("trace: says: ")[2])
+        w.until("another text", lambda: "The motion" not in w.said())
     w.more()
     for text in ("300", "1,5"): # the latter is not 15
         px, py, pwidth, pheight = w.box("patches")
@@ -973,7 +973,7 @@ def test_rings_take_presses_and_keys_take_the_surface(window, tmp_path):
     w.drag((X + 110, Y), (X + 110, Y - 10))
     pulled = load(w.save("pulled.ply"))[0]
     on_ring = X + 110 - 42, Y - 8
-    said = lambda: w.text().rpartition("trace: says: ")[2]
+    said = w.said
     w.do("mousemove", *on_ring)
     w.shot("on_ring")
     assert said().startswith("Handle 2: drag turns it about z. G, R, S: this point.")
@@ -1068,7 +1068,7 @@ def test_what_symmetry_moves_is_seen_before(window, tmp_path):
     w.key("d")
     w.press_and_move((X + 150, Y), (X + 140, Y - 60))
     w.shot("dragged")
-    assert sides() == [True, True] and "Symmetry" not in w.text().rpartition("trace: says: ")[2]
+    assert sides() == [True, True] and "Symmetry" not in w.said()
     w.do("mouseup", 1)
     moved = np.abs(load(w.save("both.ply"))[0] - points).max(1)
     assert all(moved[side].max() > 0.1 for side in (points[:, 0] > 0.5, points[:, 0] < -0.5))
@@ -1123,7 +1123,7 @@ def test_a_limb_follows_the_mouse(window, tmp_path):
     """After J: the place under the mouse goes with it, what is beyond turns as a whole, what is before the limb stays, nothing is squeezed;
     and later, further along, the limb turns where it did."""
     w, points, faces, body = open_figure(window, tmp_path)
-    said = lambda: w.text().rpartition("trace: says: ")[2]
+    said = w.said
     w.do("mousemove", X + 180, Y)
     w.key("j")
     assert said().startswith("Handle 2: turn the limb: move the mouse")
@@ -1164,7 +1164,7 @@ def test_a_finger_turns_by_itself(window, tmp_path):
     points[:, 1:] *= np.interp(points[:, 0], [0, 0.05, 0.72, 0.75], [0.24, 0.08, 0.08, 0.03])[:, None] # body, arm, finger
     w = window(write_ply(tmp_path / "figure.ply", points.astype(np.float32), faces))
     w.start_tool(mode=None)
-    said = lambda: w.text().rpartition("trace: says: ")[2]
+    said = w.said
 
     def place(p):
         pixels = 285 * 1.95 / (2.03 - p[2]) # a unit: the camera is 2.03 away
@@ -1192,7 +1192,7 @@ def test_a_limb_is_turned_by_a_drag(window, tmp_path):
     """In the mode that the tool begins in, Drag, as after J. What would turn is tinted before. Elsewhere, and in the mode Pull, by its button or
     its key, a drag pulls the place alone; so does G during a drag."""
     w, points, faces, body = open_figure(window, tmp_path, mode=None)
-    said = lambda: w.text().rpartition("trace: says: ")[2]
+    said = w.said
     foreseen = lambda: [int(found) for found in re.findall(r"trace: foreseen: \d+ vertices, (\d+) move", w.text())]
     for i in range(40): # until it is shown: the surface is read meanwhile
         w.do("mousemove", X + 170 + i % 2, Y)
@@ -1257,7 +1257,7 @@ def test_a_far_drag_of_a_limb_folds_nothing(window, tmp_path):
     w.click(w.place("mirror"))
     w.key("Home", "Down", "Return") # in x, where the body is too thick for a twin
     w.press_and_move((X + 180, Y), (X + 180, Y - 100))
-    assert "\nSymmetry finds nothing on the other side: this side moves alone.\n" in w.text().rpartition("trace: says: ")[2]
+    assert "\nSymmetry finds nothing on the other side: this side moves alone.\n" in w.said()
     w.key("Escape")
     w.do("mouseup", 1)
     w.key("m")
@@ -1270,7 +1270,7 @@ def test_a_limb_of_two_joints_bends_between(window, tmp_path):
     """An arm whose shoulder and elbow were turned: a drag of its hand towards the shoulder bends the elbow and turns the shoulder, the hand follows
     the mouse, and all of it is one step; while the shoulder is locked, the forearm turns alone."""
     w, points, faces, body = open_figure(window, tmp_path, mode=None)
-    said = lambda: w.text().rpartition("trace: says: ")[2]
+    said = w.said
     place = lambda now, at: (X + round(285 * now[at, 0]), Y - round(285 * now[at, 1]))
     hand = np.argmin(np.linalg.norm(points - [0.9, 0, 0.08], axis=1)) # at the side that is seen
     w.drag((X + 250, Y), (X + 248, Y - 30))
@@ -1306,7 +1306,7 @@ def test_a_stroke_along_a_limb_gives_the_joint(window, tmp_path):
     """Where R was pressed: what lies beyond turns about the middle of the limb there, what lies before it stays, and all of it is one step
     of undo. Esc, a click, and a stroke towards the body change nothing."""
     w, points, faces, body = open_figure(window, tmp_path)
-    said = lambda: w.text().rpartition("trace: says: ")[2]
+    said = w.said
     shape = lambda name: load(w.save(name + ".ply"))[0]
 
     def stroke(start, end):
@@ -1388,7 +1388,7 @@ def test_the_wheel_is_for_the_handle_that_is_dragged(window, tmp_path):
     w.key("ctrl+z")
     w.press_and_move((X - 60, Y), (X - 60, Y - 30))
     w.do("click", "--repeat", 8, "--delay", 50, 4)
-    assert "; radius " in w.text().rpartition("trace: says: ")[2]
+    assert "; radius " in w.said()
     w.do("mouseup", 1)
     assert bent("wider.ply") > 1.2 * before
     w.key("ctrl+z")
@@ -1712,7 +1712,7 @@ def test_the_animation_is_scrubbed_on_its_bar(window, tmp_path):
     w.drag((X + 225, Y), (X + 165, Y - 150))
     keep_pose(w, "bent")
     bent = load(w.save("bent.ply"))[0]
-    said = lambda: w.text().rpartition("trace: says: ")[2]
+    said = w.said
     scrubbed = lambda: [float(time) for time in re.findall(r"trace: scrub: at ([\d.]+) s", w.text())]
     x, y, width, _ = w.box("timeline")
     at = lambda share: (x + 8 + round(share * (width - 16)), y + 8)
@@ -1795,7 +1795,7 @@ def test_an_animation_is_exported(window, tmp_path):
         return re.findall(r"Bend: Wrote (\d+) frames to .*", w.text())[-1], w.text().rpartition("Bend: Wrote ")[2].splitlines()[0]
 
     assert write("all", rate="4")[0] == "5"
-    assert w.text().rpartition("trace: says: ")[2].startswith(f"Wrote 5 frames to {tmp_path}/all.glb.\n")
+    assert w.said().startswith(f"Wrote 5 frames to {tmp_path}/all.glb.\n")
     frames, line = write("all.pc2", rate="4")
     assert frames == "5" and line.endswith(
         f"ms.apply_filter('generate_fcd_pose_sequence', handles=2, tag_attribute='fcd_applied', frame_layers=0, frames_per_second=4, "
@@ -1875,7 +1875,7 @@ def test_contact_is_told_and_shown(window, tmp_path):
     mark_two_regions(w)
     w.do("mousemove", X, Y + 200)
     w.key("g", "x", "minus", "1", "period", "3", "Return", "g", "y", "0", "period", "1", "Return")
-    said = lambda: w.text().rpartition("trace: says: ")[2]
+    said = w.said
     w.until("contact", lambda: re.search(r"\d+ triangles pass through others\.", said()))
     assert len(re.findall(r"FCD: Bend: \d+ triangles pass through others, which they did not at rest", w.text())) == 1 # in the log, once
     w.click(w.place("stretch"))

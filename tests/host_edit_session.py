@@ -48,7 +48,7 @@ def save_session(w, path):
     saved = w.text().count("Saved the session as")
     choose(w, "s", "Save session", path)
     w.wait("Saved the session as", saved + 1)
-    assert w.text().rpartition("trace: says: ")[2].startswith(f"Saved the session as {path.with_suffix('.fcd')}.\n")
+    assert w.said().startswith(f"Saved the session as {path.with_suffix('.fcd')}.\n")
     return known(path.with_suffix(".fcd"))
 
 

@@ -291,7 +291,7 @@ def test_textures_stay(window, tmp_path):
 def test_a_drag_marks_nothing(window, tmp_path, in_place):
     """Neither on the layer, nor on the new one: any place of either can be dragged at once."""
     w, _, _ = open_tube(window, tmp_path)
-    said = lambda: w.text().rpartition("trace: says: ")[2]
+    said = w.said
     before = w.save("before.ply").read_bytes()
     w.start_tool()
     w.drag(*PULL)
