@@ -115,10 +115,8 @@ std::vector<TriedPlane> TryPlanes(const std::vector<MirrorPlane> &planes, const 
 }
 
 std::vector<double> SortedMisfits(const std::vector<TriedPlane> &all) {
-    std::vector<double> misfit;
-    misfit.reserve(all.size());
-    for (const TriedPlane &each : all)
-        misfit.push_back(each.misfit);
+    std::vector<double> misfit(all.size());
+    std::transform(all.begin(), all.end(), misfit.begin(), [](const TriedPlane &each) { return each.misfit; });
     std::sort(misfit.begin(), misfit.end());
     return misfit;
 }
@@ -127,16 +125,17 @@ std::vector<double> SortedMisfits(const std::vector<TriedPlane> &all) {
 /// \p planes.
 template <class GoalIn>
 MirrorPlane BestPlane(std::vector<MirrorPlane> planes, const GoalIn &goalIn, bool &isSure, const Progress &progress) {
-    if (planes.size() > finalPlanes) {
-        const std::vector<TriedPlane> all =
-            TryPlanes(planes, goalIn, sketchPlaces, sketchDegree, progress.Slice(0, 0.5));
+    const bool isMany = planes.size() > finalPlanes;
+    if (isMany) {
+        const auto all = TryPlanes(planes, goalIn, sketchPlaces, sketchDegree, progress.Slice(0, 0.5));
         const double most = SortedMisfits(all)[finalPlanes - 1];
         planes.clear();
         for (const TriedPlane &each : all)
             if (each.misfit <= most)
                 planes.push_back(each.plane);
     }
-    const std::vector<TriedPlane> all = TryPlanes(planes, goalIn, roughPlaces, roughDegree, progress.Slice(0.5, 1));
+    const std::vector<TriedPlane> all =
+        TryPlanes(planes, goalIn, roughPlaces, roughDegree, progress.Slice(isMany ? 0.5 : 0, 1));
     const double most = sureBy * std::max(SortedMisfits(all)[0], perfect);
     const auto isGood = [&](const TriedPlane &each) { return each.misfit <= most; };
     const TriedPlane &best = *std::find_if(all.begin(), all.end(), isGood);

@@ -60,7 +60,7 @@ constexpr std::size_t alignmentsTried = 3;
 constexpr double asNear = 1.5;
 
 /// The misfit of moved points: the sum of the nearest four fifths of the distances from the target. Where normals
-/// disagree, a distance counts three times. The target's normals are tried as they are and flipped.
+/// disagree, a distance counts more (wrongSide). The target's normals are tried as they are and flipped.
 double Misfit(const std::vector<Eigen::Vector3d> &points, const std::vector<Eigen::Vector3d> &normal,
               const Eigen::Affine3d &motion, const FitTarget &target, unsigned threads) {
     std::vector<double> far[2];
@@ -72,8 +72,8 @@ double Misfit(const std::vector<Eigen::Vector3d> &points, const std::vector<Eige
             const FitTarget::Match match = target.Nearest(p);
             const double cosine = normal.empty() ? 0 : match.normal.dot(motion.linear() * normal[s]);
             for (int side = 0; side < 2; ++side)
-                far[side][s] =
-                    (p - match.point).norm() * (match.isOriented && (side == 0 ? cosine < 0 : cosine > 0) ? 3 : 1);
+                far[side][s] = (p - match.point).norm() *
+                               (match.isOriented && (side == 0 ? cosine < 0 : cosine > 0) ? wrongSide : 1);
         }
     });
     double least = std::numeric_limits<double>::infinity();

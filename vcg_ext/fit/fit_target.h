@@ -19,6 +19,9 @@
 
 namespace vcg::fcd {
 
+/// Where the normals of two surfaces point to opposite sides, their distance counts so many times.
+constexpr double wrongSide = 3;
+
 /// Middle and principal axes of weighted points.
 class Moments {
   public:

@@ -20,8 +20,6 @@ constexpr std::size_t looked = 150, bestAlignments = 12;
 constexpr int firstRounds = 8, moreRounds = 20;
 // A pair draws along the plane by this share of how it draws across it.
 constexpr double along = 0.05;
-// Where normals disagree, a distance counts so many times.
-constexpr double wrongSide = 3;
 // Two alignments are the same if one is turned by less than 30 degrees against the other.
 constexpr double sameTurn = 0.8660254037844387;
 

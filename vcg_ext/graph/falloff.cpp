@@ -47,7 +47,7 @@ std::vector<std::array<Near, 2>> NearestParts(const DeformationGraph &graph, con
     return nearest;
 }
 
-/// t of WeighFalloff: 0 at a handle, 1 at fixed parts, 1/2 half-distance between two handles.
+/// t of WeighFalloff: 0 at a handle, 1 at fixed parts, 1/2 half-way between two handles.
 double PlaceOf(const std::array<Near, 2> &nearest) {
     const bool isHandleFirst = nearest[0].tag != 0;
     const double a = nearest[isHandleFirst ? 0 : 1].distance, b = nearest[isHandleFirst ? 1 : 0].distance;

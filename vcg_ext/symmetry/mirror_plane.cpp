@@ -58,8 +58,8 @@ struct Mirrored {
     std::vector<NearestPlace::Hint> hint; // from one plane to the next
 };
 
-/// Matches the mirror images of points with the nearest ones of the surface. Distances count three times if normals
-/// point to opposite sides. \param all out; its hints: in, out
+/// Matches the mirror images of points with the nearest ones of the surface. Distances count more (wrongSide) if
+/// normals point to opposite sides. \param all out; its hints: in, out
 void MatchIn(const MirrorPlane &plane, const std::vector<Eigen::Vector3d> &points,
              const std::vector<Eigen::Vector3d> &normal, const FitTarget &surface, unsigned threads, Mirrored &all) {
     all.far.resize(points.size());
@@ -70,7 +70,7 @@ void MatchIn(const MirrorPlane &plane, const std::vector<Eigen::Vector3d> &point
             const Eigen::Vector3d p = plane(points[s]);
             const FitTarget::Match match = surface.Nearest(p, all.hint[s]);
             const bool isOther = match.isOriented && match.normal.dot(plane.Turn(normal[s])) < 0;
-            all.far[s] = (p - match.point).norm() * (isOther ? 3 : 1);
+            all.far[s] = (p - match.point).norm() * (isOther ? wrongSide : 1);
             all.pairs[s] = {points[s], match.point};
         }
     });
