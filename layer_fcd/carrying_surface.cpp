@@ -86,7 +86,7 @@ CarryingSurface::CarryingSurface(const MeshModel &layer, Eigen::Matrix3Xd given)
     for (std::size_t i = 0; i < isVertex.size(); ++i)
         isVertex[i] = !mesh.vert[i].IsD();
     places = std::make_unique<NearestPlace>(position, std::move(triangle), isVertex);
-    vertices = std::make_unique<VerticesAtPlaces>(layer, position);
+    ownVertices = std::make_unique<VerticesAtPlaces>(layer, position);
 }
 
 CarryingSurface::~CarryingSurface() = default;
@@ -102,16 +102,13 @@ int CarryingSurface::sidesTold(const MeshModel &target, const Eigen::Matrix3Xd &
         });
 }
 
-CarriedPlace CarryingSurface::operator()(const Carried &vertex, int sides) const {
+vcg::fcd::SurfacePlace CarryingSurface::operator()(const CarriedVertices &vertices, std::size_t n, int sides,
+                                                   NearestPlace::Hint &hint) const {
+    const Eigen::Vector3d &p = vertices.position[n], &normal = vertices.normal[n];
     // First look for a vertex at the same position: where parts touch, the nearest place may be another part's.
-    CarriedPlace found;
-    found.same = (*vertices)(vertex.slot, vertex.position, vertex.normal);
-    if (found.same >= 0)
-        return found;
-    NearestPlace::Hint none;
-    found.place =
-        sides == 0 ? (*places)(vertex.position, none) : (*places)(vertex.position, none, sides * vertex.normal);
-    return found;
+    if (const std::ptrdiff_t same = (*ownVertices)(vertices.slot[n], p, normal); same >= 0)
+        return vcg::fcd::SurfacePlace::AtVertex(Index(same));
+    return sides == 0 ? (*places)(p, hint) : (*places)(p, hint, sides * normal);
 }
 
 Eigen::AlignedBox3d boxOf(const Eigen::Matrix3Xd &position, const Eigen::Affine3d &matrix, const CMeshO *mesh) {
@@ -139,7 +136,7 @@ std::string describeSpace(const MeshModel &target, const Eigen::AlignedBox3d &he
     return text.str();
 }
 
-void carry(const MeshModel &target, const Eigen::Affine3d &matrix, const Displacement &displacement,
+void carry(const MeshModel &target, const Eigen::Affine3d &matrix, const Displacements &displacements,
            const Progress &progress, Eigen::Matrix3Xd &position, std::vector<Eigen::Matrix3f> &linear) {
     const CMeshO &mesh = target.cm;
     const Eigen::Affine3d here = invertibleMatrixOf(target);
@@ -148,18 +145,24 @@ void carry(const MeshModel &target, const Eigen::Affine3d &matrix, const Displac
     const Eigen::Matrix3d back = isSame ? Eigen::Matrix3d::Identity() : Eigen::Matrix3d(to.linear().inverse());
     linear.assign(mesh.vert.size(), Eigen::Matrix3f::Identity());
     ParallelFor(progress, "Mapping to the layer", mesh.vert.size(), 1 << 12, [&](std::size_t first, std::size_t last) {
-        Eigen::Matrix3f map;
+        CarriedVertices vertices;
         for (std::size_t i = first; i < last; ++i) {
-            const Eigen::Vector3d p = position.col(Eigen::Index(i));
             if (!isPlace(target, position, i))
                 continue;
-            const Eigen::Vector3d normal = toVector(mesh.vert[i].cN());
-            const Eigen::Vector3d way =
-                displacement({i, isSame ? p : to * p, isSame ? normal : to.linear() * normal}, map);
-            if (way.isZero(0)) // fixed vertices keep their bits
+            const Eigen::Vector3d p = position.col(Eigen::Index(i)), normal = toVector(mesh.vert[i].cN());
+            vertices.slot.push_back(i);
+            vertices.position.push_back(isSame ? p : to * p);
+            vertices.normal.push_back(isSame ? normal : to.linear() * normal);
+        }
+        std::vector<Eigen::Vector3d> displacement;
+        std::vector<Eigen::Matrix3f> map;
+        displacements(vertices, displacement, map);
+        for (std::size_t n = 0; n < vertices.slot.size(); ++n) {
+            if (displacement[n].isZero(0)) // fixed vertices keep their bits
                 continue;
-            position.col(Eigen::Index(i)) = p + back * way;
-            linear[i] = isSame ? map : Eigen::Matrix3f((back * map.cast<double>() * to.linear()).cast<float>());
+            const std::size_t i = vertices.slot[n];
+            position.col(Eigen::Index(i)) += back * displacement[n];
+            linear[i] = isSame ? map[n] : Eigen::Matrix3f((back * map[n].cast<double>() * to.linear()).cast<float>());
         }
     });
 }

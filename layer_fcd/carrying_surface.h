@@ -17,26 +17,15 @@
 /// \file
 /// Carries layers along with a layer that is deformed.
 
-/// A vertex that is carried, in the coordinates of the carrying layer.
-struct Carried {
-    std::size_t slot;
-    Eigen::Vector3d position, normal;
+/// Some vertices that are carried, in the coordinates of the carrying layer. All vectors have one value for each.
+struct CarriedVertices {
+    std::vector<std::size_t> slot;
+    std::vector<Eigen::Vector3d> position, normal;
 };
 
-/// Gives the displacement of a vertex, and the linear map there.
-using Displacement = std::function<Eigen::Vector3d(const Carried &, Eigen::Matrix3f &)>;
-
-/// The place of a carried vertex on the surface; the same for all poses.
-struct CarriedPlace {
-    std::ptrdiff_t same = -1; ///< slot of the surface's vertex at the same position; < 0: none
-    vcg::fcd::SurfacePlace place;
-
-    Eigen::Vector3d displacement(const vcg::fcd::Carrier &carrier, const Eigen::Vector3d &position,
-                                 Eigen::Matrix3f &map) const {
-        return same >= 0 ? Eigen::Vector3d(carrier(std::size_t(same), position, map) - position)
-                         : carrier.Displacement(place, position, map);
-    }
-};
+/// Gives the displacements of some vertices, and the linear maps there.
+using Displacements = std::function<void(const CarriedVertices &, std::vector<Eigen::Vector3d> &displacement,
+                                         std::vector<Eigen::Matrix3f> &linear)>;
 
 /// The surface of a layer at rest, which carries other layers.
 class CarryingSurface {
@@ -49,8 +38,10 @@ class CarryingSurface {
     int sidesTold(const MeshModel &target, const Eigen::Matrix3Xd &position) const;
 
     /// Finds the place of a vertex: the surface's vertex at the same position (that of the same slot, as in a copy, or
-    /// else the one with the nearest normal), or the nearest place. \param sides as of sidesTold
-    CarriedPlace operator()(const Carried &vertex, int sides) const;
+    /// else the one with the nearest normal), or the nearest place. It is the same for all poses.
+    /// \param n of the vertex in \p vertices \param sides as of sidesTold \param hint of a vertex nearby
+    vcg::fcd::SurfacePlace operator()(const CarriedVertices &vertices, std::size_t n, int sides,
+                                      vcg::fcd::NearestPlace::Hint &hint) const;
 
     const Eigen::Matrix3Xd position;
     const Eigen::Affine3d matrix;
@@ -58,12 +49,12 @@ class CarryingSurface {
   private:
     class VerticesAtPlaces;
     std::unique_ptr<const vcg::fcd::NearestPlace> places;
-    std::unique_ptr<const VerticesAtPlaces> vertices;
+    std::unique_ptr<const VerticesAtPlaces> ownVertices;
 };
 
-/// Carries the vertices of \p target. \param matrix from the coordinates of \p displacement to the world
+/// Carries the vertices of \p target. \param matrix from the coordinates of \p displacements to the world
 /// \param position, linear out: one per vertex slot
-void carry(const MeshModel &target, const Eigen::Affine3d &matrix, const Displacement &displacement,
+void carry(const MeshModel &target, const Eigen::Affine3d &matrix, const Displacements &displacements,
            const vcg::fcd::Progress &progress, Eigen::Matrix3Xd &position, std::vector<Eigen::Matrix3f> &linear);
 
 /// The box of the finite positions, world units. \param mesh if given, its deleted vertices do not count

@@ -22,21 +22,27 @@ DeformedCopies copyDeformation(MeshDocument &document, const CopyParam &param, c
     std::unique_ptr<const CarryingSurface> source;
     std::unique_ptr<const vcg::fcd::Carrier> carrier;
     std::unique_ptr<const DeformationField> field;
-    Displacement displacement;
+    Displacements displacements;
     int sides = 0; // CarryingSurface::sidesTold for the present layer
     Eigen::Affine3d matrix = Eigen::Affine3d::Identity();
     if (param.file.isEmpty()) {
         const Deformation &deformation = deformationOf(param);
         source = std::make_unique<const CarryingSurface>(*param.source, positionsBefore(*param.source, deformation));
         carrier = std::make_unique<vcg::fcd::Carrier>(*deformation.prepared->deformer, deformation.pose);
-        displacement = [&](const Carried &vertex, Eigen::Matrix3f &map) {
-            return (*source)(vertex, sides).displacement(*carrier, vertex.position, map);
+        displacements = [&](const CarriedVertices &vertices, auto &displacement, auto &linear) {
+            std::vector<vcg::fcd::SurfacePlace> places(vertices.slot.size());
+            vcg::fcd::NearestPlace::Hint hint;
+            for (std::size_t n = 0; n < places.size(); ++n)
+                places[n] = (*source)(vertices, n, sides, hint);
+            carrier->Displacements(places, vertices.position, displacement, linear);
         };
         matrix = source->matrix;
     } else {
         field = std::make_unique<DeformationField>(vcg::fcd::ReadDeformationFile(pathOf(param.file)));
-        displacement = [&field](const Carried &vertex, Eigen::Matrix3f &map) {
-            return (*field)(vertex.position, &map);
+        displacements = [&field](const CarriedVertices &vertices, auto &displacement, auto &linear) {
+            linear.resize(vertices.slot.size());
+            for (std::size_t n = 0; n < linear.size(); ++n)
+                displacement.push_back((*field)(vertices.position[n], &linear[n]));
         };
     }
 
@@ -55,7 +61,7 @@ DeformedCopies copyDeformation(MeshDocument &document, const CopyParam &param, c
             made.warnings.push_back(std::move(text));
         if (source) // a saved deformation goes by distance alone
             sides = source->sidesTold(target, position);
-        carry(target, matrix, displacement,
+        carry(target, matrix, displacements,
               progress.Slice(0.2 + 0.8 * double(t) / double(targets.size()),
                              0.2 + 0.8 * double(t + 1) / double(targets.size())),
               position, linear);

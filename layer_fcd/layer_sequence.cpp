@@ -117,14 +117,16 @@ std::vector<Companion> companionsOf(const MeshDocument &document, const MeshMode
                 describeSpace(target, boxOf(position, invertibleMatrixOf(target), &target.cm), box, false);
             !text.empty() && remark)
             remark(text);
-        const auto places = std::make_shared<std::vector<CarriedPlace>>(target.cm.vert.size());
+        const auto places = std::make_shared<std::vector<vcg::fcd::SurfacePlace>>(target.cm.vert.size());
         const int sides = surface->sidesTold(target, position);
         std::vector<Eigen::Matrix3f> linear;
         carry(
             target, surface->matrix,
-            [&](const Carried &vertex, Eigen::Matrix3f &) { // no displacement yet
-                (*places)[vertex.slot] = (*surface)(vertex, sides);
-                return Eigen::Vector3d(Eigen::Vector3d::Zero());
+            [&](const CarriedVertices &vertices, auto &displacement, auto &) { // no displacement yet
+                vcg::fcd::NearestPlace::Hint hint;
+                for (std::size_t n = 0; n < vertices.slot.size(); ++n)
+                    (*places)[vertices.slot[n]] = (*surface)(vertices, n, sides, hint);
+                displacement.assign(vertices.slot.size(), Eigen::Vector3d::Zero());
             },
             progress.Slice(double(t) / double(targets.size()), double(t + 1) / double(targets.size())), position,
             linear);
@@ -138,8 +140,11 @@ std::vector<Companion> companionsOf(const MeshDocument &document, const MeshMode
             std::vector<Eigen::Matrix3f> turns;
             carry(
                 target, matrix,
-                [&](const Carried &vertex, Eigen::Matrix3f &map) {
-                    return (*places)[vertex.slot].displacement(carrier, vertex.position, map);
+                [&](const CarriedVertices &vertices, auto &displacement, auto &linear) {
+                    std::vector<vcg::fcd::SurfacePlace> at;
+                    for (const std::size_t slot : vertices.slot)
+                        at.push_back((*places)[slot]);
+                    carrier.Displacements(at, vertices.position, displacement, linear);
                 },
                 {}, posed, turns);
         };

@@ -154,11 +154,15 @@ nb::dict Sequence::write(const std::shared_ptr<Prepared> &prepared, double rate,
                                           threads = prepared->threads](const vcg::fcd::Carrier &carrier,
                                                                        Eigen::Matrix3Xd &position) {
                 vcg::fcd::ParallelFor(threads, places.size(), 1 << 12, [&](std::size_t first, std::size_t last) {
-                    Eigen::Matrix3f linear;
-                    for (std::size_t n = first; n < last; ++n) {
-                        const Eigen::Vector3d p = position.col(Eigen::Index(n));
-                        position.col(Eigen::Index(n)) = p + carrier.Displacement(places[n], p, linear);
-                    }
+                    std::vector<Eigen::Vector3d> p, displacement;
+                    std::vector<Eigen::Matrix3f> linear;
+                    for (std::size_t n = first; n < last; ++n)
+                        p.push_back(position.col(Eigen::Index(n)));
+                    carrier.Displacements(
+                        {places.begin() + std::ptrdiff_t(first), places.begin() + std::ptrdiff_t(last)}, p,
+                        displacement, linear);
+                    for (std::size_t n = first; n < last; ++n)
+                        position.col(Eigen::Index(n)) += displacement[n - first];
                 });
             };
         }

@@ -126,11 +126,17 @@ TEST(Deformer, CarriesItsOwnVerticesWhereTheyGo) {
     std::vector<Eigen::Matrix3f> linear;
     const Carrier carrier(*rig.deformer, pose);
     carrier.Apply(position, &linear);
-    Eigen::Matrix3f map;
+    std::vector<SurfacePlace> places;
+    std::vector<Vector3d> from, ways;
+    std::vector<Eigen::Matrix3f> maps;
     for (std::size_t i = 0; i < rig.mesh.vert.size(); ++i) {
-        const Vector3d p = rig.rest.col(Eigen::Index(i));
-        ASSERT_LE((carrier(i, p, map) - position.col(Eigen::Index(i))).norm(), 1e-12);
-        ASSERT_LE((map - linear[i]).norm(), 1e-6);
+        places.push_back(SurfacePlace::AtVertex(Index(i)));
+        from.emplace_back(rig.rest.col(Eigen::Index(i)));
+    }
+    carrier.Displacements(places, from, ways, maps);
+    for (std::size_t i = 0; i < from.size(); ++i) {
+        ASSERT_LE((from[i] + ways[i] - position.col(Eigen::Index(i))).norm(), 1e-12);
+        ASSERT_LE((maps[i] - linear[i]).norm(), 1e-6);
     }
 }
 
@@ -144,10 +150,12 @@ TEST(Deformer, CarriesPointsBesideItRigidlyWhereAllMovesSo) {
     const auto deformer = PrepareDeformer(Read(mesh), c.handles, param);
     const Deformer::Pose pose = deformer->Solve(c.handles, param);
     const Carrier carrier(*deformer, pose);
-    Eigen::Matrix3f map;
+    std::vector<Vector3d> ways;
+    std::vector<Eigen::Matrix3f> maps;
     for (std::size_t i = 0; i < mesh.vert.size(); i += 5) {
         const Vector3d p = rest.col(Eigen::Index(i)) + Vector3d(0.3, -0.2, 0.1);
-        EXPECT_LE((carrier(i, p, map) - motion * p).norm(), 1e-5);
+        carrier.Displacements({SurfacePlace::AtVertex(Index(i))}, {p}, ways, maps);
+        EXPECT_LE((p + ways[0] - motion * p).norm(), 1e-5);
     }
 }
 
@@ -172,16 +180,16 @@ TEST(Deformer, CarriesPointsThatAreBoundToItOnce) {
         const Carrier carrier(*rig.deformer, pose);
         Matrix3Xd position = rig.rest;
         carrier.Apply(position);
-        Eigen::Matrix3f map;
-        std::vector<Vector3d> from, ways;
-        std::vector<Eigen::Matrix3f> maps;
+        std::vector<Vector3d> from, ways, alone;
+        std::vector<Eigen::Matrix3f> maps, mapAlone;
         for (std::size_t i = 0; i < bound.size(); ++i)
             from.emplace_back(point.col(Eigen::Index(i)));
         carrier.Displacements(bound, from, ways, maps);
         for (std::size_t i = 0; i < bound.size(); ++i) {
-            const Vector3d p = point.col(Eigen::Index(i)), way = carrier.Displacement(bound[i], p, map);
-            EXPECT_EQ(ways[i], way);
-            EXPECT_EQ(maps[i], map);
+            const Vector3d &p = from[i], &way = ways[i];
+            carrier.Displacements({bound[i]}, {p}, alone, mapAlone); // whatever is mapped beside it
+            EXPECT_EQ(alone[0], way);
+            EXPECT_EQ(mapAlone[0], maps[i]);
             Vector3d expected = Vector3d::Zero();
             if (i < triangle.size()) {
                 bool isFixed = true;

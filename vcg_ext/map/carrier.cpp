@@ -26,15 +26,11 @@ Carrier::Carrier(const MovingSurface &surface, const SurfacePose &pose, unsigned
     : moving(surface), pose(pose), mapped(MappedOf(surface, pose, threads)), looseMotion(LooseMotions()),
       placeMotion(PlaceMotions(threads)), moves(pose.Moves()) {}
 
-Eigen::Vector3d Carrier::operator()(std::size_t slot, const Eigen::Vector3d &p, Eigen::Matrix3f &linear) const {
+Eigen::Vector3d Carrier::MovedUnbent(std::size_t slot, const Eigen::Vector3d &p, Eigen::Matrix3f &linear) const {
     linear.setIdentity();
     if (!moves || moving.slotTag[slot] == noVertex)
         return p;
     const MovingSurface::Place place = moving.At(slot);
-    if (place.region && place.region->IsFree(place.node))
-        return Rests(place.number, place.region->patches.patchOf[place.node])
-                   ? p
-                   : (*mapped[place.number])(place.node, p, &linear);
     if (place.region && place.region->held.IsFixed(place.region->held.tag[place.node]))
         return p;
     const auto told = pose.given.pointMotion.find(slot);
@@ -49,18 +45,6 @@ Eigen::Vector3d Carrier::operator()(std::size_t slot, const Eigen::Vector3d &p, 
     if (follower != follows.end() && follower->slot == slot)
         return Followed(*follower, p);
     return matrix.isIdentity(0) ? p : Eigen::Vector3d((matrix * p.homogeneous()).head<3>());
-}
-
-Eigen::Vector3d Carrier::Displacement(const SurfacePlace &place, const Eigen::Vector3d &p,
-                                      Eigen::Matrix3f &linear) const {
-    Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
-    Eigen::Matrix3f each;
-    linear.setZero();
-    for (int k = 0; k < place.count; ++k) {
-        displacement += place.weight[k] * ((*this)(std::size_t(place.slot[k]), p, each) - p);
-        linear += float(place.weight[k]) * each;
-    }
-    return displacement;
 }
 
 void Carrier::Displacements(const std::vector<SurfacePlace> &place, const std::vector<Eigen::Vector3d> &p,
@@ -81,8 +65,8 @@ void Carrier::Displacements(const std::vector<SurfacePlace> &place, const std::v
             const MovingSurface::Place at = moving.At(slot);
             map.emplace_back(Eigen::Matrix3f::Identity());
             moved.push_back(p[s]);
-            if (!moves || moving.slotTag[slot] == noVertex || !at.region || !at.region->IsFree(at.node))
-                moved.back() = (*this)(slot, p[s], map.back());
+            if (!at.region || !at.region->IsFree(at.node))
+                moved.back() = MovedUnbent(slot, p[s], map.back());
             else if (const Index patch = at.region->patches.patchOf[at.node]; !Rests(at.number, patch))
                 free.push_back({at.number, patch, at.node, s, moved.size() - 1});
         }

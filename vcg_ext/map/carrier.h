@@ -20,17 +20,10 @@ class Carrier {
     /// \param threads for the preparation, 0 = one a core
     Carrier(const MovingSurface &surface, const SurfacePose &pose, unsigned threads = 0);
 
-    /// Moves a point as the surface moves at a vertex. \param slot of the vertex \param p mesh units; keeps its bits if
-    /// the vertex does \param linear out: the linear map of the surface there, mesh units
-    Eigen::Vector3d operator()(std::size_t slot, const Eigen::Vector3d &p, Eigen::Matrix3f &linear) const;
-
-    /// The displacement of a point that follows a place on the surface, which NearestPlace finds once for all poses.
-    /// \param place of vertex slots \param p mesh units \param linear out: the linear map of the surface there, mesh
-    /// units \return mesh units; exactly 0 if nothing moves at the place
-    Eigen::Vector3d Displacement(const SurfacePlace &place, const Eigen::Vector3d &p, Eigen::Matrix3f &linear) const;
-
-    /// The displacements of several points, with the same bits, in a fraction of the time where they lie near each
-    /// other. \param place, p of each \param displacement, linear out, as of Displacement
+    /// The displacements of points that follow places on the surface, which NearestPlace finds once for all poses.
+    /// Points near each other are mapped together, which is several times faster. \param place of vertex slots \param p
+    /// mesh units \param displacement out: mesh units; exactly 0 where nothing moves at the place \param linear out:
+    /// the linear maps of the surface there, mesh units
     void Displacements(const std::vector<SurfacePlace> &place, const std::vector<Eigen::Vector3d> &p,
                        std::vector<Eigen::Vector3d> &displacement, std::vector<Eigen::Matrix3f> &linear) const;
 
@@ -134,12 +127,16 @@ class Carrier {
                         auto &&take = taker();
                         Eigen::Matrix3f map;
                         for (std::size_t c = first; c < last; ++c) {
-                            const Eigen::Vector3d p = (*this)(moving.carried[c], rest(moving.carried[c]), map);
+                            const Eigen::Vector3d p = MovedUnbent(moving.carried[c], rest(moving.carried[c]), map);
                             takeOne(take, moving.carried[c], p, map);
                         }
                     });
         progress(1, stage);
     }
+
+    /// Moves a point as a vertex moves that is free in no region. \param slot of the vertex \param p mesh units; keeps
+    /// its bits if the vertex does \param linear out: the linear map of the surface there, mesh units
+    Eigen::Vector3d MovedUnbent(std::size_t slot, const Eigen::Vector3d &p, Eigen::Matrix3f &linear) const;
 
     /// Whether the vertices of a patch keep their bits: nothing moves in its region or, with distances along the
     /// surface, in its part of the graph. With Euclidean weights, nodes of other parts influence it.

@@ -25,6 +25,14 @@ struct SurfacePlace {
     std::array<Index, most> slot;
     std::array<double, most> weight;
     int count = 0;
+
+    static SurfacePlace AtVertex(Index slot) {
+        SurfacePlace place;
+        place.slot[0] = slot;
+        place.weight[0] = 1;
+        place.count = 1;
+        return place;
+    }
 };
 
 /// Finds the place of a surface that is nearest to a point: on its triangles, or among its vertices if it has none,
