@@ -465,7 +465,16 @@ class Deformer(Unchanging):
             if off[farthest] > size:
                 found.append((LandmarkWarning, f"Landmark {farthest}, counted from 0, is {off[farthest]:g} from the surface, which is {size:g} large. "
                                                "The vertex nearest to it moves as it does. Look whether its coordinates are right."))
+        if len(self._points) > 1 and info.fixed == 0 and info.handle == len(self._points) and self._turns_about_landmarks():
+            found.append((LandmarkWarning, "The landmarks lie on one line, and nothing else holds the surface: nothing says how it turns about that "
+                                           "line. Add a landmark beside it."))
         warn(found, 3)
+
+    def _turns_about_landmarks(self) -> bool:
+        """Whether the landmarks lie on a line: within a hundredth of their extent, which leaves the turn about it to rounding and noise."""
+        at = self._vertices.look()[self._points]
+        spread = np.linalg.svd(at - at.mean(axis=0), compute_uv=False)
+        return bool(spread[1] <= 0.01 * spread[0])
 
     def pose(
         self,

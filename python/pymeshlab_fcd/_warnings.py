@@ -63,7 +63,7 @@ class MatchWarning(DeformationWarning):
 
 
 class LandmarkWarning(DeformationWarning):
-    """Landmarks contradict each other or the target, or lie far from the surface."""
+    """Landmarks contradict each other or the target, lie far from the surface, or leave a turn open."""
 
 
 class SymmetryWarning(DeformationWarning):

@@ -260,8 +260,9 @@ def test_landmarks_are_vertices_or_places():
     by_place = Deformer(vertices, faces, left, beside)
     assert by_place.points.tolist() == at.tolist()
     assert np.abs(by_place.pose(landmarks=beside + [0, 0, 3]).vertices - by_number).max() < 1e-12
-    alone = Deformer(vertices, faces, points=[0, len(vertices) - 1]).pose(landmarks=vertices[[0, -1]] + [[0, 0, 0], [0, 0, 1]])
-    assert np.abs(alone.vertices[-1] - vertices[-1] - [0, 0, 1]).max() < 1e-12 and np.abs(alone.vertices[0] - vertices[0]).max() < 1e-12
+    ends = [0, 7, len(vertices) - 1]
+    alone = Deformer(vertices, faces, points=ends).pose(landmarks=vertices[ends] + [[0, 0, 0], [0, 0, 0], [0, 0, 1]])
+    assert np.abs(alone.vertices[ends] - vertices[ends] - [[0, 0, 0], [0, 0, 0], [0, 0, 1]]).max() < 1e-12
 
 
 def test_poses_go_on_from_others(bent):
@@ -508,6 +509,22 @@ def test_a_landmark_far_from_the_surface_is_told():
     assert near.points.tolist() == [80]
     with pytest.warns(fcd.LandmarkWarning, match="Landmark 1, counted from 0, is 800 from the surface, which is 11.3137 large"):
         near.with_tags(tags, points=[[8, 8, 0.0], [4, 8, 800]])
+
+
+def test_landmarks_on_a_line_are_told():
+    x, y = [grid.ravel() for grid in np.meshgrid(np.arange(9.0), np.arange(9.0))]
+    grid, line = np.stack([x, y, 0 * x], 1), [0, 40, 80]
+    told = pytest.warns(fcd.LandmarkWarning, match="lie on one line, and nothing else holds")
+    with told:
+        deformer = Deformer(grid, None, points=line)
+    with told:
+        deformer.with_tags(None, points=line[:2])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        Deformer(grid, None, points=[*line, 8])
+        Deformer(grid, None, np.where(x == 8, 0, 1), points=[0, 36])
+        Deformer(grid, None, np.where(x == 8, 2, 1), points=[0, 36])
+        Deformer(grid, None, points=[0])
 
 
 def test_what_is_probably_not_meant_is_told():
