@@ -64,8 +64,12 @@ def number_of(word: str, what: str) -> float:
         raise ValueError(f"{what} is expected; there is {word!r}") from None
 
 
-def tell_far(starts: NDArray[np.float64], points: NDArray[np.float64], spacing: float) -> None:
-    """Warns of landmarks beside the survey. A point of the survey has a kept one within the diagonal of its cube."""
+def tell_doubts(starts: NDArray[np.float64], points: NDArray[np.float64], spacing: float) -> None:
+    """Warns of landmarks beside the survey, and if too few points are kept to bend between the landmarks: fewer than three lines of three
+    for each. A point of the survey has a kept one within the diagonal of its cube."""
+    if len(points) < 9 * len(starts):
+        print(f"only {len(points)} points are kept for {len(starts)} landmarks, and little bends between them: take a smaller spacing",
+              file=sys.stderr)
     for number, start in enumerate(starts, 1):
         off = np.sqrt(((points - start) ** 2).sum(1).min())
         if off > np.sqrt(3) * spacing:
@@ -78,7 +82,7 @@ def main(landmarks: str, target: str, spacing: str, *tiles: str) -> None:
     starts, ends = read(landmarks)
     points = thinned(tiles, side)
     if len(points):
-        tell_far(starts, points, side)
+        tell_doubts(starts, points, side)
     bend = pymeshlab_fcd.deformation(points, points=starts, landmarks=ends)
     bend.save(target)
     print(len(points), "points kept,", bend)

@@ -13,7 +13,7 @@ import pymeshlab_fcd
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 sys.path.insert(0, str(EXAMPLES))
-from solve_thinned import read, tell_far  # noqa: E402
+from solve_thinned import read, tell_doubts  # noqa: E402
 from warp_las import targets, warp  # noqa: E402
 from warp_las_dask import warp_all  # noqa: E402
 
@@ -167,13 +167,15 @@ def test_landmarks_solved_on_thinned_tiles(tiles, tmp_path):
     assert abs(moved[0, 2] + 2) < 0.2 and abs(moved[1, 2]) < 0.1 and -1.9 < moved[2, 2] < -0.1
 
 
-def test_landmarks_beside_the_survey_are_told(capsys):
+def test_landmarks_beside_the_survey_and_too_few_points_are_told(capsys):
     points = ORIGIN + np.stack(np.meshgrid(np.arange(0, 20, 2.0), np.arange(0, 20, 2.0), [0.0]), -1).reshape(-1, 3)
-    tell_far(points[[0, 57]] + [0, 0, 3.4], points, 2)  # a cube of 2 has a diagonal of 3.46
+    tell_doubts(points[[0, 57]] + [0, 0, 3.4], points, 2)  # a cube of 2 has a diagonal of 3.46
     assert capsys.readouterr().err == ""
-    tell_far(points[[0, 57]] - [[0, 0, 0], [0, 0, 250]], points, 2)
+    tell_doubts(points[[0, 57]] - [[0, 0, 0], [0, 0, 250]], points, 2)
     assert capsys.readouterr().err == \
         "landmark 2 is 250 from the nearest point that was kept, which moves in its place: check its coordinates\n"
+    tell_doubts(points[[0, 96]], points[::6], 2)
+    assert capsys.readouterr().err == "only 17 points are kept for 2 landmarks, and little bends between them: take a smaller spacing\n"
 
 
 # --- what must not be lost ---
