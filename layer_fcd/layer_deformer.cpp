@@ -112,7 +112,7 @@ DeformedLayers LayerDeformer::deform(DeformMeshParam param, bool replaceEarlier,
     const bool inWindow = host::inWindow();
     DeformedLayers made;
     vcg::fcd::DeformationResult &result = made.result;
-    handles = readHandles(layer, rest, param.handles);
+    handles = readHandles(layer, rest, param.handles, remark);
     param.deformation.linear = hasDirections(layer);
     readSurface();
     if (param.useGraphLayer)
@@ -186,7 +186,7 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
                                        "the layer has now.",
                                        remark);
     rest = isFirst ? nullptr : RestShape(layer).positions();
-    handles = readHandles(layer, rest, param.handles);
+    handles = readHandles(layer, rest, param.handles, remark);
     const std::uint64_t faces = isFirst ? facesOf(mesh) : RestShape(layer).followFaces();
     result.prepared = prepare(faces, param.deformation, progress.Slice(0, 0.9));
     result.secondsPrepare = found->seconds;

@@ -24,10 +24,10 @@ using vcg::fcd::SurfaceView;
 namespace {
 
 std::vector<Landmark> readLandmarks(const MeshModel &layer, const Point3m *rest, const Handles &handles,
-                                    const QString &file, const QString &targets) {
+                                    const QString &file, const QString &targets, const Remark &remark) {
     std::vector<Landmark> landmarks;
     if (!file.isEmpty() || !targets.isEmpty())
-        for (const vcg::fcd::PointHandle &point : readPointHandles(layer, rest, file, targets))
+        for (const vcg::fcd::PointHandle &point : readPointHandles(layer, rest, file, targets, remark))
             landmarks.push_back({point.vertex, handles.world * point.target});
     return landmarks;
 }
@@ -59,10 +59,10 @@ LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam 
     if (remark && !param.handles.allFree && param.handles.source == HandleParam::Quality && hasQuality(layer) &&
         !mayHaveTags(layer))
         remark("The quality of " + name + " is no tags, so nothing of it is held.");
-    handles = readHandles(layer, rest, param.handles);
-    landmarks = readLandmarks(layer, rest, handles, param.landmarkFile, param.targetFile);
+    handles = readHandles(layer, rest, param.handles, remark);
+    landmarks = readLandmarks(layer, rest, handles, param.landmarkFile, param.targetFile, remark);
     landmarks.insert(landmarks.end(), param.landmarks.begin(), param.landmarks.end());
-    checks = readLandmarks(layer, rest, handles, param.checkFile, param.checkTargetFile);
+    checks = readLandmarks(layer, rest, handles, param.checkFile, param.checkTargetFile, remark);
     if (param.landmarksOnly && landmarks.empty())
         throw Error("There are no landmarks that the surface could follow. Give a file with some as 'landmarks_file'.");
     if (!param.curveFile.isEmpty() && param.landmarksOnly)

@@ -173,7 +173,7 @@ SequenceLayers makeSequence(MeshDocument &document, MeshModel &layer, PreparedLa
     }
     const vcg::fcd::SurfaceView view = surface.View();
     const PoseSequence sequence = std::move(poses).of(SurfaceMark::Of(view, world));
-    const vcg::fcd::Handles handles = readHandles(layer, nullptr, param.handles);
+    const vcg::fcd::Handles handles = readHandles(layer, nullptr, param.handles, remark);
     LayerDeformer layerDeformer(document, layer, preparedLayers, remark);
     layerDeformer.prepare(view, handles.tag, handles.world, param.deformation, progress.Slice(0.02, 0.3));
     const Prepared &prepared = *layerDeformer.prepared();

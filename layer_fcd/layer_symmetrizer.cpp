@@ -9,8 +9,6 @@
 #include "point_sources.h"
 #include "weight_sources.h"
 
-#include <vcg_ext/base/point_tree.h>
-
 #include <array>
 #include <memory>
 #include <sstream>
@@ -26,49 +24,33 @@ using vcg::fcd::SymmetryMark;
 
 namespace {
 
-/// Finds the vertices of landmarks.
-class MarkReader {
-  public:
-    MarkReader(const SurfaceView &view, const Eigen::Affine3d &world) {
-        for (std::size_t i = 0; i < view.vertexSlots; ++i)
-            if (!view.IsDeleted(i)) {
-                slot.push_back(i);
-                position.emplace_back(world * view.At(i));
-            }
-        tree = std::make_unique<vcg::fcd::PointTree<double>>(position);
-    }
-
-    SymmetryMark at(const Eigen::Vector3d &place) const { return {slot[std::size_t(tree->Nearest(place))], place}; }
-    /// \param number among the live vertices, from 0
-    SymmetryMark at(std::int64_t number, const QString &file) const {
-        if (std::size_t(number) >= slot.size())
-            throw Error(inQuotes(file) + " names vertex " + std::to_string(number) + ", but the layer has only " +
-                        std::to_string(slot.size()) + " vertices, from 0.");
-        return {slot[std::size_t(number)], position[std::size_t(number)]};
-    }
-
-  private:
-    std::vector<std::size_t> slot; // of live vertices
-    std::vector<Eigen::Vector3d> position;
-    std::unique_ptr<vcg::fcd::PointTree<double>> tree;
-};
-
-SymmetryGoal goalOf(const MeshModel &layer, const SymmetrizeParam &param, const SurfaceView &view,
-                    const Eigen::Affine3d &world) {
+SymmetryGoal goalOf(const MeshModel &layer, const SymmetrizeParam &param, const Remark &remark) {
     SymmetryGoal goal;
     if (!param.planeNormal.isZero(0))
         goal.plane = vcg::fcd::MirrorPlane{param.planePoint, param.planeNormal};
-    if (param.pairsFile.isEmpty() && param.midlineFile.isEmpty())
-        return goal;
-    const MarkReader marks(view, world);
-    if (!param.pairsFile.isEmpty())
-        for (const vcg::fcd::PointPair &pair : readPointPairs(layer, param.pairsFile))
-            goal.pairs.push_back({pair.vertex >= 0 ? marks.at(pair.vertex, param.pairsFile) : marks.at(pair.start),
-                                  marks.at(pair.target)});
+    VertexFinder vertices(layer, nullptr);
+    const auto markAt = [&](const Eigen::Vector3d &place, std::size_t point) {
+        return SymmetryMark{vertices.nearestTo(place, point), place};
+    };
+    if (!param.pairsFile.isEmpty()) {
+        for (const vcg::fcd::PointPair &pair : readPointPairs(layer, param.pairsFile)) {
+            const std::size_t number = goal.pairs.size();
+            SymmetryMark start;
+            if (pair.vertex >= 0) {
+                start.vertex = vertices.numbered(pair.vertex, param.pairsFile);
+                start.place = vertices.world * vertices.at(start.vertex);
+            } else {
+                start = markAt(pair.start, number);
+            }
+            goal.pairs.push_back({start, markAt(pair.target, number)});
+        }
+        vertices.tellFar(param.pairsFile, remark);
+    }
     if (!param.midlineFile.isEmpty()) {
         const Eigen::Matrix3Xd points = readLine(param.midlineFile);
         for (Eigen::Index i = 0; i < points.cols(); ++i)
-            goal.midline.push_back(marks.at(points.col(i)));
+            goal.midline.push_back(markAt(points.col(i), std::size_t(i)));
+        vertices.tellFar(param.midlineFile, remark);
     }
     return goal;
 }
@@ -117,7 +99,7 @@ SymmetrizedLayers symmetrizeLayer(MeshDocument &document, MeshModel &layer, cons
     const vcg::fcd::NormalOf normal = [&](std::size_t i) { return toVector(surface.normal[i]); };
     const std::vector<float> weights = readWeights(layer, param.weights, param.weightAttribute);
     const vcg::fcd::WeightOf weight = weightOf(weights);
-    const SymmetryGoal goal = goalOf(layer, param, view, world);
+    const SymmetryGoal goal = goalOf(layer, param, remark);
 
     SymmetrizedLayers made;
     made.pairs = goal.pairs.size();

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/base/point_tree.h> // these before Qt
-#include <vcg_ext/handles/handle_file.h>
+#include "point_sources.h" // which includes others before Qt
 
 #include "layer_contents.h"
 #include "layer_labels.h"
 #include "layer_matrix.h"
 #include "picked_points.h"
-#include "point_sources.h"
 
 #include <algorithm>
-#include <memory>
+#include <sstream>
 
 using vcg::fcd::Error;
 using vcg::fcd::PointHandle;
@@ -34,51 +32,78 @@ std::vector<PointPair> readPairs(const QString &path, const QString &targets, st
 
 } // namespace
 
+VertexFinder::VertexFinder(const MeshModel &layer, const Point3m *rest)
+    : world(invertibleMatrixOf(layer)), layer(layer), rest(rest), live(liveSlots(layer.cm)) {}
+
+std::size_t VertexFinder::numbered(std::int64_t number, const QString &file) const {
+    if (std::size_t(number) >= live.size()) // files number them as MeshLab saves them
+        throw Error(inQuotes(file) + " names vertex " + std::to_string(number) + ", but the layer has vertices 0 to " +
+                    std::to_string(live.size() - 1) + ".");
+    return live[std::size_t(number)];
+}
+
+void VertexFinder::plant() {
+    Eigen::AlignedBox3d box;
+    for (std::size_t i : live)
+        if (const Eigen::Vector3d p = world * at(i); p.allFinite()) {
+            slot.push_back(i);
+            place.push_back(p);
+            box.extend(p);
+        }
+    if (place.empty())
+        throw Error("The coordinates of the layer are not finite numbers, so no vertex is nearest to a point.");
+    size = box.diagonal().norm();
+    tree = std::make_unique<vcg::fcd::PointTree<double>>(place);
+}
+
+std::size_t VertexFinder::nearestTo(const Eigen::Vector3d &point, std::size_t number) {
+    if (!tree)
+        plant();
+    const auto nearest = std::size_t(tree->Nearest(point));
+    if (const double off = (place[nearest] - point).norm(); off > size) {
+        if (strays.empty() || strays.back() != number) // of a pair, both may be
+            strays.push_back(number);
+        farthest = std::max(farthest, off);
+    }
+    return slot[nearest];
+}
+
+void VertexFinder::tellFar(const QString &file, const Remark &remark) {
+    if (remark && !strays.empty()) {
+        std::ostringstream text;
+        text << (strays.size() == 1 ? "Point " : "Points ");
+        for (std::size_t i = 0; i < strays.size() && i < 10; ++i) // enough to find them in the file
+            text << (i > 0 ? ", " : "") << strays[i];
+        text << (strays.size() > 10 ? ", ..." : "") << " of " << inQuotes(file) << ", counted from 0, "
+             << (strays.size() == 1 ? "is " : "are up to ") << farthest << " from " << inQuotes(layer) << ", which is "
+             << size << " large. The nearest vertex stands for a point: look whether the coordinates are right.";
+        remark(text.str());
+    }
+    strays.clear();
+    farthest = 0;
+}
+
 std::vector<PointPair> readPointPairs(const MeshModel &layer, const QString &file) {
     return readPairs(file, QString(), mostBytes(layer, 1000));
 }
 
 std::vector<PointHandle> readPointHandles(const MeshModel &layer, const Point3m *rest, const QString &file,
-                                          const QString &targets) {
+                                          const QString &targets, const Remark &remark) {
     const std::vector<PointPair> pairs = readPairs(file, targets, mostBytes(layer, 1000));
-    const CMeshO &mesh = layer.cm;
-    const Eigen::Affine3d toLayer = invertibleMatrixOf(layer).inverse();
-
-    const std::vector<std::size_t> live = liveSlots(mesh); // files number them as MeshLab saves them
-
-    // To find the vertex nearest to a point.
-    std::vector<std::size_t> slot;
-    std::vector<Eigen::Vector3d> position;
-    if (std::any_of(pairs.begin(), pairs.end(), [](const PointPair &pair) { return pair.vertex < 0; }))
-        for (std::size_t i : live) {
-            const Eigen::Vector3d p = toVector(rest ? rest[i] : mesh.vert[i].cP());
-            if (p.allFinite()) {
-                slot.push_back(i);
-                position.push_back(p);
-            }
-        }
-    std::unique_ptr<vcg::fcd::PointTree<double>> tree;
-    if (!position.empty())
-        tree = std::make_unique<vcg::fcd::PointTree<double>>(position);
-
+    VertexFinder vertices(layer, rest);
+    const Eigen::Affine3d toLayer = vertices.world.inverse();
     std::vector<PointHandle> handles;
     for (const PointPair &pair : pairs) {
         PointHandle handle;
         handle.target = toLayer * pair.target;
         if (pair.vertex >= 0) {
-            if (std::size_t(pair.vertex) >= live.size())
-                throw Error(inQuotes(file) + " names vertex " + std::to_string(pair.vertex) +
-                            ", but the layer has vertices 0 to " + std::to_string(live.size() - 1) + ".");
-            handle.vertex = live[std::size_t(pair.vertex)];
-        } else if (tree) {
-            const Eigen::Vector3d start = toLayer * pair.start;
-            const auto nearest = std::size_t(tree->Nearest(start));
-            handle.vertex = slot[nearest];
-            handle.target += position[nearest] - start;
+            handle.vertex = vertices.numbered(pair.vertex, file);
         } else {
-            throw Error("The coordinates of the layer are not finite numbers, so no vertex is nearest to a point.");
+            handle.vertex = vertices.nearestTo(pair.start, handles.size());
+            handle.target += vertices.at(handle.vertex) - toLayer * pair.start;
         }
         handles.push_back(handle);
     }
+    vertices.tellFar(file, remark);
     return handles;
 }

@@ -3,21 +3,57 @@
 #define FCD_POINT_SOURCES_H
 
 // Before Qt, whose macros (slots, emit, ...) are common words.
+#include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/handles/handle_file.h>
 #include <vcg_ext/handles/handles.h>
 
-#include "meshlab_host.h"
+#include "parameters.h" // Remark
 
+#include <memory>
 #include <vector>
+
+/// Finds the vertices of a layer that points in files stand for.
+class VertexFinder {
+  public:
+    /// \param rest positions per vertex slot; null: the layer is at rest
+    VertexFinder(const MeshModel &layer, const Point3m *rest);
+
+    /// The slot of a vertex by its number among the live ones. \throw vcg::fcd::Error \p file names none
+    std::size_t numbered(std::int64_t number, const QString &file) const;
+    /// The slot of the vertex nearest to \p place, world units. \param point number in its file, from 0
+    /// \throw vcg::fcd::Error no vertex has finite coordinates
+    std::size_t nearestTo(const Eigen::Vector3d &place, std::size_t point);
+    /// The position of a vertex, layer units.
+    Eigen::Vector3d at(std::size_t slot) const { return toVector(rest ? rest[slot] : layer.cm.vert[slot].cP()); }
+
+    /// Says which points of \p file, of those given to nearestTo, are farther from the layer than it is large, and
+    /// forgets them.
+    void tellFar(const QString &file, const Remark &remark);
+
+    const Eigen::Affine3d world; ///< from layer to world units
+
+  private:
+    void plant();
+
+    const MeshModel &layer;
+    const Point3m *rest;
+    std::vector<std::size_t> live, slot; ///< of live vertices; of those in the tree
+    std::vector<Eigen::Vector3d> place;  ///< of those in the tree, world units
+    std::unique_ptr<vcg::fcd::PointTree<double>> tree;
+    double size = 0;                 ///< diagonal of the layer's box, world units
+    std::vector<std::size_t> strays; ///< points that are farther than that
+    double farthest = 0;
+};
 
 /// Point handles of \p layer from a file in world coordinates: MeshLab's picked points (.pp), in pairs of start and
 /// target, or a list (vcg::fcd::ReadPointHandleFile). A start that is no vertex stands for the vertex nearest to it,
 /// which moves as the start does.
 /// \param rest positions per vertex slot; null: the layer is at rest
 /// \param targets picked points of the other layer, paired with those of \p file by name; may be empty
+/// \param remark is told starts that are far from the layer
 /// \throw vcg::fcd::Error the file cannot be read, or names a vertex that does not exist
 std::vector<vcg::fcd::PointHandle> readPointHandles(const MeshModel &layer, const Point3m *rest, const QString &file,
-                                                    const QString &targets = QString());
+                                                    const QString &targets = QString(), const Remark &remark = {});
 
 /// The pairs of such a file, unchanged. \throw as readPointHandles
 std::vector<vcg::fcd::PointPair> readPointPairs(const MeshModel &layer, const QString &file);

@@ -148,11 +148,11 @@ std::vector<int> readTags(const MeshModel &layer, const HandleParam &param) {
     throw Error("Unknown source of tags.");
 }
 
-Handles readHandles(const MeshModel &layer, const Point3m *rest, const HandleParam &param) {
+Handles readHandles(const MeshModel &layer, const Point3m *rest, const HandleParam &param, const Remark &remark) {
     Handles handles;
     handles.tag = readTags(layer, param);
     handles.world = invertibleMatrixOf(layer);
     if (!param.pointFile.isEmpty())
-        handles.point = readPointHandles(layer, rest, param.pointFile);
+        handles.point = readPointHandles(layer, rest, param.pointFile, {}, remark);
     return handles;
 }

@@ -15,6 +15,7 @@ bool mayHaveTags(const MeshModel &layer);
 
 /// Tags (one per vertex slot) and point handles of \p layer, without motions.
 /// \param rest positions per vertex slot; null: the layer is at rest \throw vcg::fcd::Error they cannot be read
-vcg::fcd::Handles readHandles(const MeshModel &layer, const Point3m *rest, const HandleParam &param);
+vcg::fcd::Handles readHandles(const MeshModel &layer, const Point3m *rest, const HandleParam &param,
+                              const Remark &remark);
 
 #endif

@@ -7,7 +7,7 @@ import pymeshlab
 import pytest
 
 from conftest import transformed
-from host_pymeshlab import (COPY, DEFORM_DEFAULTS, SURFACE_RETURNS, assert_unchanged, check_returned, new_set, point_file,
+from host_pymeshlab import (COPY, DEFORM, DEFORM_DEFAULTS, SURFACE_RETURNS, assert_unchanged, check_returned, new_set, point_file,
                             same_points, set_quality, snapshot)
 
 FIT, SAVE = "generate_fcd_fitted_mesh", "save_fcd_deformation"
@@ -248,6 +248,29 @@ def curve_file(path, **curves):
 
 def line_along(end=3.9, count=2):
     return np.stack([np.full(count, 0.4), np.zeros(count), np.linspace(0.1, end, count)], 1)
+
+
+def test_points_far_from_the_layer_are_told(capfd, tmp_path):
+    """In other units than the layer, they would all be one vertex."""
+    ms, _ = pair()
+    points = ms.current_mesh().vertex_matrix()[[100, 3000, 7000]]
+    away = points * [[1], [1], [1000.0]]
+
+    def told(name, **parameters):
+        ms.set_current_mesh(1)
+        ms.set_verbosity(True)
+        capfd.readouterr()
+        ms.apply_filter(name, **parameters)
+        found = re.search(r"(Points? .*) of '.*', counted from 0, (is|are up to) .* from 'tube', which is 4\.\S+ large", capfd.readouterr().err)
+        return found and found[1]
+
+    def file(where):
+        return point_file(tmp_path / "p.csv", "coordinates", None, where, where)
+
+    for where, expected in ((1.3 * points, None), (away, "Point 2"), (points + [[0, 0, -100], [0, 0, 0], [0, 0, 100.0]], "Points 0, 2")):
+        assert told(DEFORM, point_handles_file=file(where), initial_patches=60, graph_layers=False) == expected
+        assert told(FIT, target_layer=0, landmarks_file=file(where), **FEW) == expected
+    assert told(FIT, target_layer=0, check_file=file(away), **FEW) == "Point 2"
 
 
 @pytest.mark.parametrize("placed", [False, True], ids=["as it lies", "with matrices"])

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Restoring the symmetry of a layer, inside pymeshlab. FCD_PLUGIN names the libfilter_fcd.so of this pymeshlab."""
+import re
+
 import numpy as np
 import pymeshlab
 import pytest
 
-from host_pymeshlab import COPY, SURFACE_RETURNS, assert_unchanged, check_returned, new_set, snapshot
+from host_pymeshlab import COPY, SURFACE_RETURNS, assert_unchanged, check_returned, new_set, point_file, snapshot
 
 SYMMETRIZE = "generate_fcd_symmetrized_mesh"
 DEFAULTS = {
@@ -103,6 +105,17 @@ def test_what_is_not_sure_is_warned_of(capfd):
     assert "nearly as much like its mirror image in another plane" in logged(layers(egg), capfd)[1]
 
 
+def test_points_far_from_the_layer_are_told(capfd, tmp_path):
+    left, right = landmarks(6)
+    left[3] += [1000, 0, 0]
+    pairs = point_file(tmp_path / "pairs.csv", "coordinates", None, left, right)
+    midline = tmp_path / "midline.csv"
+    midline.write_text("0, 1, 0\n0, -1000, 0\n0, 0, -1000\n")
+    log = logged(layers(), capfd, pairs_file=pairs, midline_file=str(midline), samples=300, initial_patches=60, graph_layers=False)[1]
+    assert re.search(r"Point 3 of '.*pairs.csv', counted from 0, is 99.* from 'skull', which is [34]\.\S+ large", log)
+    assert re.search(r"Points 1, 2 of '.*midline.csv', counted from 0, are up to 99.* from 'skull', which", log)
+
+
 def test_the_good_side_is_mirrored(capfd):
     gone = ((TRUTH - [0.6, 0.3, 0.3]) ** 2).sum(1) < 0.15
     number = np.cumsum(~gone) - 1
@@ -153,7 +166,7 @@ def test_an_error_leaves_the_document_as_it_was(tmp_path):
     far.write_text("999999, 0, 0, 0\n")
     twice = tmp_path / "twice.csv"
     twice.write_text("0, 0, 0, 0\n0, 1, 0, 0\n")
-    for parameters, text in ((dict(pairs_file=str(far)), "has only"), (dict(pairs_file=str(twice)), "named twice"),
+    for parameters, text in ((dict(pairs_file=str(far)), "names vertex 999999, but the layer has vertices 0 to 3499"), (dict(pairs_file=str(twice)), "named twice"),
                              (dict(weights=3, weight_attribute="none"), "no vertex attribute"), (dict(stiffness=0), "stiffness"),
                              (dict(largest_distance=1e-30), "counterpart on its other side")):
         ms = layers()
