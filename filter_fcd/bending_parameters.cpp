@@ -72,8 +72,8 @@ void askBending(Fields &fields, vcg::fcd::DeformationParam &deformation, bool al
         "length of the border and the distance of the centres. The shape then hardly depends on where the patches lie. "
         "<i>Uniform</i>: all alike. <i>As in the paper</i>: all alike, and patches are balanced by number of vertices, "
         "not by area. <i>The paper to the letter</i>: all else is as printed, too. Vertices follow the nodes whose "
-        "patch would reach them (Eqs. 7 and 8), held parts do not give way and do not blend, and plain steps end when "
-        "none moves a node by more than the tolerance. 'Distances' and 'Influence' are not read then.");
+        "patch would reach them (Eqs. 7 and 8). Held parts do not give way or blend. Plain steps end when none moves a "
+        "node by more than the tolerance. 'Distances' and 'Influence' are not read then.");
     deformation.graphWeights = chosen == 0   ? GraphWeights::Border
                                : chosen == 3 ? GraphWeights::Printed
                                              : GraphWeights::Uniform;

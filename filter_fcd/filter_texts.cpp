@@ -64,11 +64,12 @@ RichParameterList FilterFcd::defaults(int id, const MeshDocument &document) {
 QString FilterFcd::filterInfo(int id) const {
     switch (id) {
     case BuildGraph:
-        return QString("Shows the <b>deformation graph</b> of a layer: the surface in a few hundred round patches, "
-                       "with a node at the centre of each. 'FCD: Deform Mesh' builds such a graph by itself; here you "
-                       "can look at it, or build one to use several times.<br>Works on any mesh and on point clouds. "
-                       "The current layer is not changed. New layers are the graph (a vertex for each patch, with the "
-                       "radius as quality, and edges between neighbours) and, if wanted, the mesh coloured by patch.") +
+        return QString(
+                   "Shows the <b>deformation graph</b> of a layer: the surface in a few hundred round patches, "
+                   "with a node at the centre of each. 'FCD: Deform Mesh' builds such a graph by itself; here you "
+                   "can look at it, or build one to use several times.<br>Works on any mesh and on point clouds. "
+                   "The current layer is not changed. One new layer is the graph: a vertex for each patch, its radius "
+                   "as quality, and edges between neighbours. Another one, if wanted, is the mesh coloured by patch.") +
                reference;
     case DeformMesh:
         return shown() +
@@ -102,15 +103,15 @@ QString FilterFcd::filterInfo(int id) const {
     case Symmetrize:
         return QString("Restores the symmetry of what was <b>sheared, bent or pressed</b>: fits the current layer onto "
                        "its own mirror image, and goes half of the way (retrodeformation). Rotations go half of their "
-                       "angle, so that what was bent keeps its length.<br>The plane of symmetry is found, or follows "
-                       "from pairs of landmarks and points of the midline, or is given. What has no counterpart on the "
+                       "angle, so that what was bent keeps its length.<br>The plane of symmetry is found or given, or "
+                       "follows from landmarks. What has no counterpart on the "
                        "other side is carried along; its mirror image can fill what is missing. The log says how "
-                       "asymmetric the layer was, and the quality of the result says where.<br>The result is a new "
+                       "asymmetric the layer was; the quality of the result says where.<br>The result is a new "
                        "layer with all that the layer carries.") +
                reference;
     case Compensate:
         return "Tells <b>what to print</b> so that the current layer, the nominal part, comes out. A scan of the "
-               "printed (sintered, pressed) part tells how it is warped, and the filter turns the warp round.<br>The "
+               "printed (sintered, pressed) part tells its warp. The filter turns that round.<br>The "
                "warp is smooth and moves all of space. So flat faces, round holes and sharp edges stay what they are, "
                "noise does not come through, and vertices need not be welded. What is not scanned goes along. The scan "
                "is a mesh or a point cloud, in the same units, rigidly aligned with the nominal part. The next print "
@@ -143,26 +144,26 @@ QString FilterFcd::filterInfo(int id) const {
         return QString("Deforms the current layer as 'FCD: Deform Mesh' has deformed another one in the same space. "
                        "Deform a decimated copy, then the full scan with it; or a point cloud, landmarks, a textured "
                        "version. Each vertex follows the nearest place of the source's surface. What is nearest to "
-                       "something fixed stays, to the bit.<br>The deformation is in the two graph layers, in the "
-                       "session that made them, or in a file of 'FCD: Save Deformation'.<br>The result is a new layer "
+                       "something fixed stays, to the bit.<br>The deformation is in the two graph layers of this "
+                       "session, or in a file of 'FCD: Save Deformation'.<br>The result is a new layer "
                        "with everything that the layer carries.") +
                reference;
     case SaveDeformation:
         return QString(
                    "Writes a deformation to one small file, for 'FCD: Apply Deformation to Layer' in another session, "
-                   "or for points outside of MeshLab.<br>The file holds the deformation at some thousand vertices of "
-                   "the source and the triangles between them, in world coordinates. Vertices are added until the file "
+                   "or for points outside of MeshLab.<br>The file holds some thousand vertices of the source, how they "
+                   "move, and the triangles between them, in world coordinates. Vertices are added until the file "
                    "is off by at most 'Accuracy' at every vertex of the source (or there are a million). All that was "
                    "fixed stays, to the bit. Log and file say how far a vertex is off at most. It is a binary PLY "
                    "file: any program shows the thinned surface.<br>The layers are not changed.") +
                reference;
     case Tag:
-        return "Says what the selected part of the mesh does when the layer is deformed. It stays <b>fixed</b>, is "
-               "<b>free</b> to follow, is a <b>handle</b> that moves as you say, or lies <b>outside</b> the region of "
+        return "Says what the selected part of the mesh does when the layer is deformed. It stays <b>fixed</b>, "
+               "follows (<b>free</b>), moves as you say (<b>handle</b>), or lies <b>outside</b> the region of "
                "influence.<br>Select what stays and run this filter as <i>Fixed</i>. Select what moves and run it as "
                "<i>Handle</i>. Then run 'FCD: Deform Mesh'. Selected vertices and the vertices of selected faces "
                "count. All else keeps its tag; without tags (no quality, or 0 everywhere) all else is free.<br>It also "
-               "reads all tags from a file, and writes tags and motions to files, which 'FCD: Deform Mesh' reads with "
+               "reads all tags from a file, and writes tags and motions. 'FCD: Deform Mesh' reads these files with "
                "<i>Handles from: Files</i>.<br>Changes the quality, or an attribute, of the current layer and its "
                "colours, nothing else.";
     case TagSelection: return "For older scripts: what 'FCD: Tag' does with the selection.";
@@ -170,8 +171,7 @@ QString FilterFcd::filterInfo(int id) const {
     case ClearTags:
         return "Brings back the colours and the quality that the current layer had before it was tagged. A layer that "
                "had none has none again. New vertices get what was at their place, as long as the layer is not posed. "
-               "Vertices that were coloured since, or whose place is not known, keep what they have; the log counts "
-               "them.";
+               "Vertices coloured since, or of unknown place, keep what they have; the log counts them.";
     case SaveTags:
         return "For older scripts: writes the tags to a .sel file and, on request, the motions of the handles to a "
                ".def file, as 'FCD: Tag' does. The layer is not changed.";

@@ -56,8 +56,8 @@ void ask(Fields &fields, FitMeshParam &param) {
         "landmarks_file", param.landmarkFile, Shown::Always, {"*.csv", "*.pp"}, "Landmark file (.csv, .pp)",
         "Pairs of points that belong together, in world coordinates. A list has a line for each pair: <i>vertex, x, y, "
         "z</i> (number of the vertex of the current layer, from 0, and place on the target) or <i>x, y, z, x, y, z</i> "
-        "(place on the current layer, place on the target), with commas, semicolons or blanks; lines that begin with # "
-        "are comments. Picked points (.pp) alternate source and target. A place stands for the vertex nearest to it. "
+        "(place on the current layer, place on the target). Commas, semicolons or blanks separate them; # begins a "
+        "comment. Picked points (.pp) alternate source and target. A place stands for the vertex nearest to it. "
         "<b>Empty</b> (the default): none. Give some where limbs lie far from where they belong.");
     fields.openFile("target_landmarks_file", param.targetFile, Shown::Always, {"*.pp"}, "Target's picked points (.pp)",
                     "The same points on the target, with the same names, if the landmark file has picked points of the "
@@ -72,8 +72,8 @@ void ask(Fields &fields, FitMeshParam &param) {
         {"As they lie", "Rigid, from landmarks", "Rigid and scaled, from landmarks", "Axes tried out"}, "Start",
         "How the current layer is first moved onto the target, if it does not lie there: by <b>landmarks</b> (at least "
         "three that are not on a line), or principal <b>axes</b> onto principal axes, in the best of 24 ways. Needs a "
-        "layer without fixed vertices and handles. If the layers do not overlap and there are no landmarks, <b>As they "
-        "lie</b> moves the layer onto the target's middle, too, and says so. If the layer comes out strained, it is "
+        "layer without fixed vertices and handles. Without landmarks, and where the layers do not overlap, <b>As they "
+        "lie</b> begins at the target's middle; the log says so. If the layer comes out strained, it is "
         "tried turned by its axes, and scaled, and the log says which.");
     askStiffness(fields, fit);
     if (fields.hasNewer("rigidity"))

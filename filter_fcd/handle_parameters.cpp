@@ -14,7 +14,7 @@ void askHandles(Fields &fields, HandleParam &handles, Shown shown) {
         "point_handles_file", handles.pointFile, Shown::Advanced, {"*.csv", "*.pp"}, "Point file (.csv, .pp)",
         "Points and where they go, in world coordinates. How the surface turns there is free. A list has a line for "
         "each point: <i>vertex, x, y, z</i> (number of the vertex, from 0, and target) or <i>x, y, z, x, y, z</i> "
-        "(start and target), with commas, semicolons or blanks; lines that begin with # are comments. Picked points "
+        "(start and target). Commas, semicolons or blanks separate them; # begins a comment. Picked points "
         "(.pp) alternate start and target. The vertex nearest to a start moves as the start does. Points come in "
         "addition to tags, and belong where the surface is free. A layer without tags is all free then.");
     askMotion(fields, handles, shown);
@@ -26,8 +26,8 @@ void askTags(Fields &fields, HandleParam &handles, Shown shown) {
     fields.choice("handles", handles.source, shown,
                   {"Vertex quality", "Selection", "Custom vertex attribute", "Files", "Tags of the layer"},
                   "Handles from",
-                  "Where the tags are. A vertex with tag <b>0</b> is fixed, with <b>1</b> free, with <b>2, 3, ...</b> "
-                  "of handle 2, 3, ..., and with a <b>negative</b> tag outside: it never moves.<ul><li><i>Vertex "
+                  "Where the tags are: <b>0</b> is fixed, <b>1</b> is free, and <b>2, 3, ...</b> are handles. "
+                  "<b>Negative</b> is outside: it never moves.<ul><li><i>Vertex "
                   "quality</i>: the quality is the tag. 'FCD: Tag' writes it.</li><li><i>Selection</i>: selected "
                   "vertices are the handle, vertices of selected faces are fixed, the rest is free. The handle wins "
                   "where both are selected.</li><li><i>Custom vertex attribute</i>: the attribute "

@@ -30,8 +30,8 @@ void ask(Fields &fields, SequenceParam &param) {
             "The .glb file also has the other visible layers, except those of edges alone, such as graphs. They go "
             "along with the current one, as 'FCD: Apply Deformation to Layer' carries them: eyes in a head, say.");
     fields.saveFile("pc2_file", param.pc2File, Shown::Always, "*.pc2", "Write point cache to (.pc2)",
-                    "Positions of all vertices in each frame, in the layer's own coordinates and in single precision, "
-                    "for the mesh as the layer is saved (Blender's modifier 'Mesh Cache'). An existing file is "
+                    "Positions of all vertices in each frame, for the mesh as it is saved (Blender's modifier 'Mesh "
+                    "Cache'). The layer's own coordinates; single precision. An existing file is "
                     "replaced. <b>Empty</b> (the default): none is written.");
     if (host::scriptsMayLackParameters)
         fields.saveFile("mdd_file", param.mddFile, Shown::Always, "*.mdd", "Write point cache to (.mdd)",

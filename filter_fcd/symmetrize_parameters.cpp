@@ -37,12 +37,11 @@ void ask(Fields &fields, SymmetrizeParam &param) {
     askLandmarkTolerance(fields, fit);
     askSampling(fields, fit);
     askGraphLayers(fields, param.graphLayers);
-    fields.choice(
-        "symmetrized_quality", param.quality, Shown::Always, {"As the input", "Asymmetry", "Way moved", "Matched"},
-        "Result quality",
-        "The vertex quality of the result, to colour, select or save: that of the input, the <b>asymmetry</b> "
-        "(distance from the mirror image of its counterpart before, in world units), the <b>way</b> that it was moved "
-        "(a distance), or <b>matched</b>: 1 where it has a counterpart on the other side, else 0.");
+    fields.choice("symmetrized_quality", param.quality, Shown::Always,
+                  {"As the input", "Asymmetry", "Way moved", "Matched"}, "Result quality",
+                  "The vertex quality of the result, to colour, select or save. <b>Asymmetry</b>: how far the vertex "
+                  "was from the mirror image of its counterpart. <b>Way moved</b>: how far it was moved. Both in world "
+                  "units. <b>Matched</b>: 1 where it has a counterpart on the other side, else 0.");
     if (fields.areRead())
         fit.ValidateFit();
 }
