@@ -139,14 +139,6 @@ bool hasQuality(const MeshModel &layer) {
                        [](const CVertexO &vertex) { return !vertex.IsD() && vertex.cQ() != 0; });
 }
 
-std::uint64_t qualityOf(const CMeshO &mesh) {
-    const std::uint64_t sum = sumOfVertices(mesh, [&mesh](std::size_t i) {
-        const auto quality = mesh.vert[i].cQ();
-        return XXH3_64bits_withSeed(&quality, sizeof quality, i);
-    });
-    return std::max(sum, std::uint64_t(1));
-}
-
 std::uint64_t normalsOf(const CMeshO &mesh) {
     return sumOfVertices(
         mesh, [&mesh](std::size_t i) { return XXH3_64bits_withSeed(&mesh.vert[i].cN()[0], 3 * sizeof(Scalarm), i); });

@@ -98,9 +98,7 @@ std::vector<char> onSelectedFaces(const MeshModel &layer);
 
 /// Whether \p layer has a quality that is not 0 everywhere.
 bool hasQuality(const MeshModel &layer);
-/// A number for the quality of all vertices; not 0.
-std::uint64_t qualityOf(const CMeshO &mesh);
-/// A number for their normals.
+/// A number for the normals of all vertices.
 std::uint64_t normalsOf(const CMeshO &mesh);
 
 /// A number for all that a user can see or change in \p layer: matrix, elements and their positions, corners, colours,

@@ -6,6 +6,7 @@
 #include "layer_labels.h"
 #include "layer_matrix.h"
 #include "marks.h"
+#include "measured_quality.h"
 #include "motion_sources.h"
 #include "new_layers.h"
 #include "point_sources.h"
@@ -51,6 +52,7 @@ LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam 
           return fit;
       }()),
       name(inQuotes(layer)) {
+    inheritMeasured(document, layer);
     const MeshModel *target = nullptr; // null: landmarks only
     if (param.target || !param.landmarksOnly) {
         target = &checkedTarget(layer, param.target, "target_layer");

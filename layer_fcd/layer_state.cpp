@@ -5,6 +5,7 @@
 #include "kept_tool.h"
 #include "layer_labels.h"
 #include "layer_state.h"
+#include "measured_quality.h"
 
 #include <algorithm>
 #include <map>
@@ -111,6 +112,7 @@ void leaveTo(MeshDocument &document, LayerState &gone) {
         if (handDownRest(document, gone))
             gone.rest.reset();
         handDownGraph(document, gone);
+        handDownMeasured(document, gone);
         for (const MeshModel *layer : host::layers(document)) { // what copies have is not lost
             const LayerState &its = LayerState::known(*layer);
             if (gone.scan && its.scan && inheritedScan(*layer, {&gone}))
@@ -178,6 +180,8 @@ void forColumns(LayerState &state, const Body &body) {
         body(state.scan->number);
     if (!state.marks.empty())
         body(state.marks);
+    if (state.measured)
+        body(state.measured->number);
 }
 
 const std::size_t none = std::numeric_limits<std::size_t>::max();
@@ -237,7 +241,7 @@ LayerState &LayerState::made(const MeshDocument &document, MeshModel &layer) {
 }
 
 bool LayerState::isEmpty() const {
-    return !rest && !scan && marks.empty() && measured == 0 && appliedName.empty() && !poses && !deformation && !tool &&
+    return !rest && !scan && marks.empty() && !measured && appliedName.empty() && !poses && !deformation && !tool &&
            !fit && !graph && !result;
 }
 
@@ -255,10 +259,20 @@ std::vector<const LayerState *> LayerState::ofOthers(const MeshDocument &documen
     return all;
 }
 
+/// Vertices are deleted: another layer, into which they were copied, may still ask for them.
+template <class IsGone>
+void LayerState::leave(const IsGone &isGone) {
+    for (std::size_t i = 0; scan && rest && i < scan->number.size(); ++i)
+        if (isGone(i) && scan->number[i] != 0 && rest->vertex[i].isKnown())
+            scan->gone.emplace_back(toPoint(rest->vertex[i].place()), scan->number[i]);
+    for (std::size_t i = 0; measured && i < measured->number.size(); ++i)
+        if (isGone(i) && measured->number[i] != 0)
+            measured->gone.push_back(measured->number[i]);
+}
+
 void LayerState::resize(std::size_t n) {
     if (n == 0) { // the mesh is deleted, or gets other vertices; copies may still ask for what it had
-        for (std::size_t i = 0; scan && i < scan->number.size(); ++i)
-            leave(i);
+        leave([](std::size_t) { return true; });
         isCleared = true;
         return;
     }
@@ -276,19 +290,11 @@ void LayerState::resize(std::size_t n) {
 }
 
 void LayerState::reorder(const std::vector<std::size_t> &newSlots) {
-    for (std::size_t i = 0; scan && i < scan->number.size() && i < newSlots.size(); ++i)
-        if (newSlots[i] == none)
-            leave(i);
+    leave([&](std::size_t slot) { return slot < newSlots.size() && newSlots[slot] == none; });
     forColumns(*this, [&](auto &values) {
         for (std::size_t i = 0; i < values.size() && i < newSlots.size(); ++i)
             if (newSlots[i] != none)
                 values[newSlots[i]] = values[i];
     });
     forPairs(*this, [&](std::size_t slot) { return slot < newSlots.size() ? newSlots[slot] : slot; });
-}
-
-/// A vertex is deleted: another layer, into which it was copied, may still ask for it.
-void LayerState::leave(std::size_t slot) {
-    if (scan && rest && scan->number[slot] != 0 && rest->vertex[slot].isKnown())
-        scan->gone.emplace_back(toPoint(rest->vertex[slot].place()), scan->number[slot]);
 }

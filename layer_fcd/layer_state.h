@@ -148,6 +148,13 @@ struct GraphState {
     std::uint64_t shape = 0; ///< shapeOf the graph when it was made, as a copy has, too
 };
 
+/// The vertices of a layer when a filter here measured its quality, by numbers for their quality and place
+/// (measured_quality.h).
+struct MeasuredState {
+    std::vector<std::uint64_t> number; ///< per vertex slot; 0: a new vertex
+    std::vector<std::uint64_t> gone;   ///< of vertices that were deleted since, as other filters move them to copies
+};
+
 /// What the plugins keep for a layer besides its mesh. The document owns it until the layer or the document is closed.
 /// Through an attribute of the mesh, without memory, the host tells where it moves vertices; values per vertex slot
 /// here move with them.
@@ -155,7 +162,7 @@ struct LayerState {
     std::optional<RestState> rest;                  ///< none: it has never been posed in place
     std::optional<KeptScan> scan;                   ///< none: no tags replace colours or quality
     std::vector<int> marks;                         ///< tag - 1 per vertex slot; empty: none (marks.h)
-    std::uint64_t measured = 0;                     ///< qualityOf the mesh, if a filter here measured it; 0: none did
+    std::optional<MeasuredState> measured;          ///< none: no filter here has measured its quality
     std::string appliedName;                        ///< of the attribute for the tool's tags; empty: none (marks.h)
     std::optional<vcg::fcd::PoseSequence> poses;    ///< poses with names
     std::shared_ptr<const Deformation> deformation; ///< of a deformed graph
@@ -183,7 +190,8 @@ struct LayerState {
 
   private:
     bool isEmpty() const;
-    void leave(std::size_t slot);
+    template <class IsGone>
+    void leave(const IsGone &isGone);
 
     bool isCleared = false; ///< the mesh has no vertices now; values per slot are those of its former vertices
 };

@@ -4,6 +4,7 @@
 #include "layer_labels.h"
 #include "layer_normals.h"
 #include "marks.h"
+#include "measured_quality.h"
 #include "mesh_copy.h"
 #include "new_layers.h"
 #include "rest_shape.h"
@@ -141,8 +142,9 @@ MeshModel &NewLayers::addDeformed(const QString &what, const Eigen::Matrix3Xd &p
         layer.updateDataMask(MeshModel::MM_VERTQUALITY);
         packing.forEach(
             [&](std::size_t i, std::size_t j) { layer.cm.vert[j].Q() = CVertexO::QualityType(quality[i]); });
-        LayerState::made(document, layer).measured = qualityOf(layer.cm);
     }
+    if (!quality.empty() || isMeasured(base))
+        keepMeasured(document, layer);
     computeNormals(layer.cm);
     if (linear.empty())
         return layer;
@@ -202,7 +204,7 @@ MeshModel &NewLayers::addPatches(const QString &what, const std::vector<Index> &
         vertex.Q() = CVertexO::QualityType(patch);
         vertex.C() = patch >= 0 ? color[std::size_t(patch)] : vcg::Color4b(vcg::Color4b::Gray);
     });
-    LayerState::made(document, layer).measured = qualityOf(layer.cm);
+    keepMeasured(document, layer);
     // Faces have one colour each, so that borders are sharp: that of two of the vertices, if two are in one patch.
     for (CFaceO &face : layer.cm.face)
         face.C() = face.cV(1)->cQ() == face.cV(2)->cQ() ? face.cV(1)->cC() : face.cV(0)->cC();

@@ -5,6 +5,7 @@
 #include "layer_labels.h"
 #include "layer_matrix.h"
 #include "marks.h"
+#include "measured_quality.h"
 #include "point_sources.h"
 #include "tag_sources.h"
 #include "weight_sources.h"
@@ -120,12 +121,23 @@ std::vector<int> tagsFromFile(const MeshModel &layer, const QString &path) {
     return tag;
 }
 
+/// Says how many vertices are fixed by a quality of 0 that no filter for tags has given them: other filters make new
+/// vertices with it.
+void tellNewFixed(const MeshModel &layer, const std::vector<int> &tag, const Remark &remark) {
+    const std::optional<KeptScan> &scan = LayerState::known(layer).scan;
+    if (!remark || !scan || !scan->quality || hasMarks(layer))
+        return;
+    if (const auto count = sumOfVertices(layer.cm, [&](std::size_t i) { return scan->number[i] == 0 && tag[i] == 0; }))
+        remark(counted(count, "vertex is", "vertices are") + " new since " + inQuotes(layer) +
+               " was tagged, and fixed, since the quality there is 0. Where that is wrong, tag them: 1 is free.");
+}
+
 } // namespace
 
 bool mayHaveTags(const MeshModel &layer) {
     if (hasMarks(layer))
         return true;
-    return hasQuality(layer) && LayerState::known(layer).measured != qualityOf(layer.cm) &&
+    return hasQuality(layer) && !isMeasured(layer) &&
            std::all_of(layer.cm.vert.begin(), layer.cm.vert.end(),
                        [](const CVertexO &vertex) { return vertex.IsD() || vertex.cQ() == std::round(vertex.cQ()); });
 }
@@ -151,6 +163,8 @@ std::vector<int> readTags(const MeshModel &layer, const HandleParam &param) {
 Handles readHandles(const MeshModel &layer, const Point3m *rest, const HandleParam &param, const Remark &remark) {
     Handles handles;
     handles.tag = readTags(layer, param);
+    if (!param.allFree && (param.source == HandleParam::Quality || param.source == HandleParam::Known))
+        tellNewFixed(layer, handles.tag, remark);
     handles.world = invertibleMatrixOf(layer);
     if (!param.pointFile.isEmpty())
         handles.point = readPointHandles(layer, rest, param.pointFile, {}, remark);

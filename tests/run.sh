@@ -200,7 +200,7 @@ pymeshlab() {
 }
 # The newest one, and what asks the method more than the host: the fits.
 newest() {
-    pymeshlab 2025.7 "$build/venv/bin/python" tests/host_fit.py tests/host_fit_pairs.py
+    pymeshlab 2025.7 "$build/venv/bin/python" tests/host_fit.py tests/host_fit_pairs.py tests/host_results.py
 }
 newest_faults() {
     faults pymeshlab-2025.7
@@ -233,7 +233,7 @@ runtime() {
 sanitized_host() {
     local plugin=$build/sanitized/pymeshlab-2025.7/plugins/libfilter_fcd.so
     FCD_PLUGIN=$plugin LLVM_PROFILE_FILE=$results/%4m.hostraw ASAN_OPTIONS=detect_leaks=0 \
-        host env LD_PRELOAD="$(runtime)" "$build/venv/bin/python" tests/host_pose.py tests/host_copy.py tests/host_tags.py tests/host_session.py tests/host_fit.py tests/host_straighten.py tests/host_symmetrize.py tests/host_compensate.py tests/host_sequence.py
+        host env LD_PRELOAD="$(runtime)" "$build/venv/bin/python" tests/host_pose.py tests/host_copy.py tests/host_tags.py tests/host_session.py tests/host_fit.py tests/host_results.py tests/host_straighten.py tests/host_symmetrize.py tests/host_compensate.py tests/host_sequence.py
     check coverage-host bash tests/coverage.sh layer_fcd 80 "$plugin" "$results"/*.hostraw
     tail -n 1 "$results/coverage-host.log"
 }
