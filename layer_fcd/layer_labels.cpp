@@ -6,16 +6,11 @@
 #include <QFile>
 #include <QRegularExpression>
 
-namespace {
-
-/// The label without the extension of a file, or what looks like one.
 QString nameOf(const MeshModel &layer) {
     QString name = layer.label().trimmed();
     name.remove(QRegularExpression("\\.[A-Za-z][A-Za-z0-9]{0,4}$"));
     return name.isEmpty() ? QString("mesh") : name;
 }
-
-} // namespace
 
 std::string inQuotes(const QString &name) { return "'" + name.toStdString() + "'"; }
 

@@ -12,6 +12,9 @@
 std::string inQuotes(const QString &name);
 std::string inQuotes(const MeshModel &layer);
 
+/// The label without the extension of a file, or what looks like one.
+QString nameOf(const MeshModel &layer);
+
 /// The path of a file in the system's encoding.
 std::string pathOf(const QString &file);
 

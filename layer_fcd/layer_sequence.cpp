@@ -155,6 +155,25 @@ std::vector<Companion> companionsOf(const MeshDocument &document, const MeshMode
 
 } // namespace
 
+void takeFrames(SequenceParam::Layers which, const MeshModel &layer, const vcg::fcd::SurfaceView &surface,
+                const Deformer &deformer, vcg::fcd::SequenceOutput &output, const TakeFrame &take) {
+    const bool turns = hasDirections(layer);
+    const auto taking = [=, &deformer](const QString &what) {
+        return [=, &deformer](std::size_t number, const Deformer::Pose &pose, const Eigen::Matrix3Xd &position) {
+            std::vector<Eigen::Matrix3f> linear;
+            if (turns) {
+                Eigen::Matrix3Xd again = surface.Positions();
+                vcg::fcd::Carrier(deformer, pose).Apply(again, &linear);
+            }
+            take(what.arg(number), position, linear);
+        };
+    };
+    if (which == SequenceParam::KeyFrames)
+        output.keyFrame = taking("key frame %1");
+    else if (which == SequenceParam::Frames)
+        output.frame = taking("frame %1");
+}
+
 SequenceLayers makeSequence(MeshDocument &document, MeshModel &layer, PreparedLayers &preparedLayers,
                             const SequenceParam &param, const Remark &remark, const Progress &progress) {
     const vcg::fcd::Stopwatch watch;
@@ -201,21 +220,10 @@ SequenceLayers makeSequence(MeshDocument &document, MeshModel &layer, PreparedLa
     if (!param.mddFile.isEmpty())
         output.mdd = files.add(param.mddFile);
     NewLayers layers(document, layer, remark);
-    const bool turns = hasDirections(layer);
-    const auto addLayer = [&](const QString &what) {
-        return [&, what](std::size_t number, const Deformer::Pose &pose, const Eigen::Matrix3Xd &position) {
-            std::vector<Eigen::Matrix3f> linear;
-            if (turns) {
-                Eigen::Matrix3Xd again = view.Positions();
-                vcg::fcd::Carrier(deformer, pose).Apply(again, &linear);
-            }
-            made.layers.push_back(&layers.addDeformed(what.arg(number), position, linear, {}));
-        };
-    };
-    if (param.layers == SequenceParam::KeyFrames)
-        output.keyFrame = addLayer("key frame %1");
-    else if (param.layers == SequenceParam::Frames)
-        output.frame = addLayer("frame %1");
+    takeFrames(param.layers, layer, view, deformer, output,
+               [&](const QString &what, const auto &position, const auto &linear) {
+                   made.layers.push_back(&layers.addDeformed(what, position, linear, {}));
+               });
     if (output.gltf || output.pc2 || output.mdd || output.frame || output.keyFrame)
         made.report = vcg::fcd::WriteFrames(view, handles, deformer, sequence, motions, param.deformation, output,
                                             progress.Slice(output.companions.empty() ? 0.3 : 0.4, 1));

@@ -2,11 +2,12 @@
 #ifndef FCD_LAYER_SEQUENCE_H
 #define FCD_LAYER_SEQUENCE_H
 
-#include <vcg_ext/sequence/pose_sequence.h> // before Qt
+#include <vcg_ext/sequence/sequence_frames.h> // before Qt
 
 #include "parameters.h"
 #include "prepared_layers.h"
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <vector>
@@ -26,6 +27,14 @@ struct SequenceLayers {
 /// and all files are then as they were
 SequenceLayers makeSequence(MeshDocument &document, MeshModel &layer, PreparedLayers &preparedLayers,
                             const SequenceParam &param, const Remark &remark, const vcg::fcd::Progress &progress);
+
+/// Takes a frame that is to become a layer, as NewLayers::addDeformed does. \param what "frame 1", "key frame 1" ...
+using TakeFrame = std::function<void(const QString &what, const Eigen::Matrix3Xd &position,
+                                     const std::vector<Eigen::Matrix3f> &linear)>;
+/// Lets \p output hand these frames to \p take. \param layer at rest or posed \param surface at rest; it and
+/// \p deformer outlive \p output
+void takeFrames(SequenceParam::Layers which, const MeshModel &layer, const vcg::fcd::SurfaceView &surface,
+                const vcg::fcd::Deformer &deformer, vcg::fcd::SequenceOutput &output, const TakeFrame &take);
 
 /// The poses that \p layer keeps; none: it keeps none. (No file of MeshLab can hold them.)
 std::optional<vcg::fcd::PoseSequence> posesOf(const MeshModel &layer);

@@ -1825,6 +1825,85 @@ def test_an_animation_is_exported(window, tmp_path):
     choose(**{"from": "0.8", "to": "0.2"})
     w.wait("The animation is to end before it begins.")
 
+    w.click(w.place("saveposes"))
+    asked = w.wait_for_title("Save poses")
+    w.key("Return") # as it is offered
+    w.wait_for_title("MeshLab", other_than=asked)
+    w.wait(f"Saved the poses as {tmp_path}/tube.csv.")
+    assert (tmp_path / "tube.csv").read_bytes() == (tmp_path / "poses.csv").read_bytes()
+    w.click(w.place("export"))
+    w.wait_for_title("Export animation")
+    choose(rate="4")
+    w.do("sleep", 0.5)
+    asked = w.wait_for_title("Export animation")
+    w.click((680, 537))
+    w.key("Down", "Return", "Return") # a point cache: the offered name follows
+    w.wait(f"Bend: Wrote 5 frames to {tmp_path}/tube.pc2.")
+    assert (tmp_path / "tube.pc2").read_bytes() == cache
+
+
+def test_an_animation_is_exported_as_layers(window, tmp_path):
+    """As the filter makes them, to the bit: hidden, while the tool goes on. The log has the call."""
+    w, points, faces, tags = tube_with_poses(window, tmp_path)
+    w.drag((X + 225, Y), (X + 165, Y - 150))
+    keep_pose(w, "bent")
+    shown = load(w.save("shown.ply"))[0]
+    answer(w, "saveposes", "Save poses", str(tmp_path / "poses.csv"))
+    rest = write_ply(tmp_path / "rest.ply", points, faces, tags)
+
+    def made_by_filter(frames):
+        folder = tmp_path / f"server{frames}"
+        folder.mkdir()
+        run = Run(folder, rest, sequence_filter(tmp_path / "poses.csv", frame_layers=frames))
+        assert run.code == 0, run.log
+        return [mesh.vertex_matrix().copy() for name, mesh in run.meshes.items() if "frame" in name]
+
+    def make(downs, **fields):
+        made = w.text().count("Bend: Made ")
+        w.click(w.place("export"))
+        w.wait_for_title("Export animation")
+        w.click(w.place("what"))
+        w.key(*downs, "Return")
+        for field, text in fields.items():
+            x, y, _, height = w.box(field)
+            w.click((x + 20, y + height // 2))
+            w.key("ctrl+a")
+            w.do("type", "--delay", 5, text)
+            w.key("Tab")
+        w.shot("asked")
+        w.click(w.place("choose"))
+        w.wait("Bend: Made ", made + 1)
+        w.wait_for_title("MeshLab")
+        w.settle()
+        w.shot("made")
+        return w.text().rpartition("Bend: Made ")[2].splitlines()[0]
+
+    w.do("mousemove", X, Y - 250)
+    w.settle()
+    seen = w.seen()
+    line = make(["Down", "Down"], rate="4")
+    assert w.said().startswith("Made 5 layers. They are hidden:")
+    assert line.startswith("5 layers. They are hidden: the eyes in the list of layers show them. ") and line.endswith(
+        "ms.apply_filter('generate_fcd_pose_sequence', handles=2, tag_attribute='fcd_applied', frame_layers=2, frames_per_second=4)")
+    w.do("mousemove", X, Y - 250)
+    w.settle()
+    assert np.mean(np.abs(w.seen() - seen) > 20) < 0.02 # but for the gizmo; the frame at rest reaches farther
+    assert np.array_equal(load(w.save("goes_on.ply"))[0], shown)
+    w.drag((X + 150, Y + 60), (X + 150, Y + 110)) # so does the tool
+    assert not np.array_equal(load(w.save("dragged.ply"))[0], shown)
+    w.key("ctrl+z")
+    frames = []
+    for i in range(5):
+        choose_layer(w, 1 + i)
+        frames.append(load(w.save(f"frame{i}.ply"))[0])
+    expected = made_by_filter(2)
+    assert len(expected) == 5 and all(np.array_equal(a, np.float32(b)) for a, b in zip(frames, expected))
+
+    choose_layer(w, 0)
+    assert make(["Down"]).startswith("2 layers. ")
+    choose_layer(w, 7)
+    assert np.array_equal(load(w.save("key.ply"))[0], shown)
+
 
 @the_dialogs_are_those_of_2020
 def test_the_tool_and_the_filter_have_the_same_poses(window, tmp_path):

@@ -77,7 +77,7 @@ def full_session(window, tmp_path):
     keep_pose(w, "bent")
     w.do("mousemove", X, Y + 200)
     poses = poses_of(w, tmp_path / "poses.csv")
-    w.click(w.place("poses_fold"))
+    w.click(w.place("poses_fold")) # and so it stays, until a session with poses is loaded
     w.more()
     x, y, width, height = w.box("patches")
     w.click((x + width // 3, y + height // 2))
@@ -121,7 +121,9 @@ def test_a_session_goes_on_in_another_run(window, another, tmp_path):
     w.start_tool()
     w.drag((X - 20, Y - 40), (X - 20, Y - 90))
     pulled = load(w.save("pulled.ply"))[0]
+    assert not w.is_unfolded("keep")
     load_session(w, tmp_path / "all.fcd")
+    assert w.is_unfolded("keep")
     assert np.array_equal(load(w.save("there.ply"))[0], shape)
     w.key("ctrl+z") # what was there before
     assert np.array_equal(load(w.save("undone.ply"))[0], pulled)

@@ -3,6 +3,8 @@
 
 #include "edit_fcd/kit/layer_tool.h"
 
+#include <set>
+
 #include <QFileDialog>
 
 void LayerTool::later(const std::function<void()> &work, int milliseconds) {
@@ -112,7 +114,7 @@ void LayerTool::enterLayer(MeshModel &newModel) {
 void LayerTool::chooseSession(bool load) {
     const QString kinds = "Sessions (*.fcd)";
     const QString file = load ? QFileDialog::getOpenFileName(view->window(), "Load session", QString(), kinds)
-                              : fileToSave(*view, "Save session", kinds);
+                              : fileToSave(*view, "Save session", kinds, *model);
     if (file.isEmpty() || !isReady())
         return;
     if (load) {
@@ -128,6 +130,9 @@ void LayerTool::chooseSession(bool load) {
 
 void LayerTool::applyToNewLayer(const std::function<void()> &apply, bool goesOn) {
     isEnding = true; // another layer becomes the current one
+    std::set<int> before;
+    for (const MeshModel *each : host::layers(*document))
+        before.insert(each->id());
     try {
         apply();
     } catch (...) {
@@ -137,14 +142,21 @@ void LayerTool::applyToNewLayer(const std::function<void()> &apply, bool goesOn)
     }
     // The host makes the buffers of new layers when the tool ends.
     close();
-    later([this, goesOn] {
+    later([this, goesOn, before, told = hint] {
         action->trigger();
         if (!view || !view->md() || !view->md()->mm())
             return;
-        host::showTextures(*view, *view->md()->mm());
-        view->md()->mm()->setMeshModified(); // no file has it
-        if (goesOn)
-            action->trigger();
+        for (const MeshModel *each : host::layers(*view->md()))
+            if (before.count(each->id()) == 0) {
+                host::showTextures(*view, *each);
+                view->md()->getMesh(each->id())->setMeshModified(); // no file has it
+            }
+        if (!goesOn)
+            return;
+        action->trigger();
+        hint = told; // which the change of layers clears
+        if (view)
+            showHint();
     });
 }
 

@@ -3,6 +3,8 @@
 
 #include "edit_fcd/view/trace.h"
 
+#include <layer_fcd/layer_labels.h>
+
 #include <algorithm>
 
 #include <QCoreApplication>
@@ -75,16 +77,20 @@ static QStringList endingsOf(const QString &kinds) {
     return endings;
 }
 
-QString fileToSave(GLArea &view, const QString &title, const QString &kinds) {
+QString fileToSave(GLArea &view, const QString &title, const QString &kinds, const MeshModel &layer) {
     const QStringList endings = endingsOf(kinds);
-    QString file, kind;
+    const QString offered = QFileInfo(layer.fullName()).dir().filePath(nameOf(layer) + endings.first());
+    QString file = offered, kind;
     for (;;) { // until the name with its ending is confirmed
         file =
             QFileDialog::getSaveFileName(view.window(), title, file, kinds, &kind, QFileDialog::DontConfirmOverwrite);
         const bool isNamed = std::any_of(endings.begin(), endings.end(),
                                          [&](const QString &each) { return file.endsWith(each, Qt::CaseInsensitive); });
-        if (!file.isEmpty() && !isNamed)
-            file += endingsOf(kind.isEmpty() ? kinds : kind).first();
+        const QString ending = endingsOf(kind.isEmpty() ? kinds : kind).first();
+        if (file == offered) // not all systems' dialogs change the ending with the kind
+            file = offered.chopped(endings.first().size()) + ending;
+        else if (!file.isEmpty() && !isNamed)
+            file += ending;
         if (!QFileInfo::exists(file) ||
             QMessageBox::question(view.window(), title, file + " exists already. Replace it?",
                                   QMessageBox::Yes | QMessageBox::No, QMessageBox::No) == QMessageBox::Yes)

@@ -16,11 +16,8 @@
 #include <vector>
 
 struct AnimationExport;
+struct ExportedAnimation;
 struct ToolState;
-class FilesToSave;
-namespace vcg::fcd {
-struct SequenceReport;
-}
 
 /// The filters' parameters for the panel's options.
 vcg::fcd::DeformationParam deformationOf(const BendOptions &options);
@@ -191,11 +188,13 @@ class BendSession {
     Animation animation(const AnimationExport &how);
     /// Adds look and remarks.
     void readLook(Animation &animation) const;
-    /// Writes it as FCD: Pose Sequence does; may run in the background. \param files get it; call their save afterwards
+    /// Makes frames as FCD: Pose Sequence does; may run in the background. Afterwards, save the files, and addLayers().
     /// \throw vcg::fcd::Error as blend(), prepare() and WriteFrames; or the file cannot be written
-    vcg::fcd::SequenceReport exportAnimation(const Animation &animation, const AnimationExport &how, FilesToSave &files,
-                                             const vcg::fcd::Progress &progress);
-    /// The filter call that writes the same.
+    void exportAnimation(const Animation &animation, const AnimationExport &how, ExportedAnimation &made,
+                         const vcg::fcd::Progress &progress);
+    /// Adds a hidden layer for each frame, all or none. The layer itself is at rest then, and the current one.
+    void addLayers(const ExportedAnimation &made, const Remark &remark);
+    /// The filter call that makes the same.
     std::string exportCall(const Animation &animation, const AnimationExport &how) const;
 
     // --- the pose ---

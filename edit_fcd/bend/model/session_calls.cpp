@@ -123,9 +123,10 @@ std::string BendSession::exportCall(const Animation &animation, const AnimationE
     table.surface.reset();
     if (!isWhole)
         call.with("poses_file", std::string("poses.csv"));
-    call.with("handles", 2).with("tag_attribute", appliedTags(document, layer)).with("frame_layers", 0);
+    call.with("handles", 2).with("tag_attribute", appliedTags(document, layer)).with("frame_layers", int(how.layers));
     call.with("frames_per_second", asTyped(how.rate), asTyped(AnimationExport().rate));
-    call.with(how.isPc2() ? "pc2_file" : how.isMdd() ? "mdd_file" : "gltf_file", how.file.toStdString());
+    if (how.isFile())
+        call.with(how.isPc2() ? "pc2_file" : how.isMdd() ? "mdd_file" : "gltf_file", how.file.toStdString());
     if (how.isGltf())
         call.with("gltf_shapes", int(how.shapes), 0);
     std::string text = withShape(call, data.options);

@@ -5,9 +5,10 @@
 #include "edit_fcd/bend/model/session.h"
 
 #include <layer_fcd/layer_look.h>
-#include <layer_fcd/save_files.h>
+#include <layer_fcd/layer_sequence.h>
+#include <layer_fcd/new_layers.h>
 
-// Writes the animation to a file as FCD: Pose Sequence does.
+// Makes files and layers of the animation as FCD: Pose Sequence does.
 
 using vcg::fcd::PoseSequence;
 
@@ -25,8 +26,8 @@ void BendSession::readLook(Animation &animation) const {
     animation.look = lookOf(document, layer, [&](const std::string &text) { animation.remarks.push_back(text); });
 }
 
-vcg::fcd::SequenceReport BendSession::exportAnimation(const Animation &animation, const AnimationExport &how,
-                                                      FilesToSave &files, const vcg::fcd::Progress &progress) {
+void BendSession::exportAnimation(const Animation &animation, const AnimationExport &how, ExportedAnimation &made,
+                                  const vcg::fcd::Progress &progress) {
     prepare(progress.Slice(0, 0.2));
     PoseSequence sequence = animation.poses;
     sequence.key = animation.key;
@@ -38,7 +39,26 @@ vcg::fcd::SequenceReport BendSession::exportAnimation(const Animation &animation
     output.name = animation.name;
     output.look = animation.look;
     output.shapes = how.shapes;
-    (how.isPc2() ? output.pc2 : how.isMdd() ? output.mdd : output.gltf) = files.add(how.file);
-    return WriteFrames(surface->View(), handles, *solver.prepared()->deformer, sequence, motionsOfPoses(),
-                       deformationOf(data.options), output, progress.Slice(0.2, 1));
+    const vcg::fcd::SurfaceView view = surface->View();
+    const vcg::fcd::Deformer &deformer = *solver.prepared()->deformer;
+    if (how.isFile())
+        (how.isPc2() ? output.pc2 : how.isMdd() ? output.mdd : output.gltf) = made.files.add(how.file);
+    takeFrames(how.layers, layer, view, deformer, output,
+               [&](const QString &what, const auto &position, const auto &linear) {
+                   made.frames.push_back({what, position, linear});
+               });
+    made.report = WriteFrames(view, handles, deformer, sequence, motionsOfPoses(), deformationOf(data.options), output,
+                              progress.Slice(0.2, 1));
+}
+
+void BendSession::addLayers(const ExportedAnimation &made, const Remark &remark) {
+    restore(); // the layers get its normals, turned
+    NewLayers layers(document, layer, remark);
+    std::vector<MeshModel *> added;
+    for (const ExportedAnimation::Frame &each : made.frames)
+        added.push_back(&layers.addDeformed(each.what, each.position, each.linear, {}));
+    layers.keep(layer, {});
+    for (MeshModel *each : added)
+        host::setVisible(*each, false);
+    host::showChanges(document);
 }

@@ -8,7 +8,7 @@
 #include <QDialog>
 #include <QDoubleSpinBox>
 
-/// Asks how to export an animation; the tool then asks for the file.
+/// Asks how to export an animation; for a file, the tool then asks for its name.
 class BendExportDialog : public QDialog {
   public:
     /// \param first,last times of the first and last key frame, seconds
@@ -19,7 +19,7 @@ class BendExportDialog : public QDialog {
   private:
     const double first, last;
     QDoubleSpinBox *rate, *from, *to;
-    QComboBox *shapes;
+    QComboBox *what, *shapes;
 };
 
 #endif

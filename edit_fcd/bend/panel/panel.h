@@ -63,6 +63,7 @@ class BendPanel : public ToolPanel {
     void showHandles(const std::vector<BendHandleRow> &rows) { list->show(rows); }
     void showFigures(const QString &text) { figures->setText(text); } ///< about the solution
     void showKeys();
+    void unfoldPoses();
     BendHandleList &handles() { return *list; }
     BendPoseBox &poses() { return *poseBox; }
     BendLineBox &line() { return *lineBox; }

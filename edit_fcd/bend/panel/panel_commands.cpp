@@ -77,6 +77,12 @@ void BendPanel::addFolds(QBoxLayout &column) {
     column.addLayout(row);
 }
 
+void BendPanel::unfoldPoses() {
+    for (const auto &[button, part] : folds)
+        if (part == poseBox)
+            button->setChecked(true);
+}
+
 /// Shows the unfolded parts; in the mode Line, neither marks nor handles.
 void BendPanel::showParts() {
     const bool isLine = mode() == Line;

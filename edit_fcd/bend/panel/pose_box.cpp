@@ -42,7 +42,7 @@ BendPoseBox::BendPoseBox(QWidget *parent) : QWidget(parent) {
     last->addWidget(bar, 1);
     last->addWidget(made(
         "export", "Export ...",
-        "Writes the animation as glTF (.glb) for Blender and web pages, or as a point cache (.pc2, .mdd)", Export));
+        "Makes glTF (.glb) for Blender and web pages, a point cache (.pc2, .mdd), or a layer for each frame", Export));
 }
 
 #include "edit_fcd/bend/panel/moc_pose_box.cpp" // NOLINT(bugprone-suspicious-include)

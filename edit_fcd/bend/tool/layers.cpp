@@ -97,6 +97,8 @@ SessionContents BendTool::takeSession(const QString &file) {
     const std::unique_ptr<BendSession> before = std::move(session);
     open(*model);
     session->follow(std::move(*before));
+    if (session->state().poses)
+        panel->unfoldPoses();
     showOptions();
     showVertices(true);
     showChanged();

@@ -38,7 +38,7 @@ void BendTool::onLineCommand(int which) {
     }
     case BendLineBox::Save: {
         expectedLine(*session);
-        const QString file = fileToSave(*view, "Save line", "Lists of points (*.csv)");
+        const QString file = fileToSave(*view, "Save line", "Lists of points (*.csv)", *model);
         if (file.isEmpty() || !isReady())
             return;
         saveLine(*session, file);

@@ -7,6 +7,7 @@
 #include "edit_fcd/bend/tool/play_interaction.h"
 #include "edit_fcd/bend/tool/scrub_interaction.h"
 
+#include <layer_fcd/layer_labels.h>
 #include <layer_fcd/layer_sequence.h>
 #include <layer_fcd/save_files.h>
 
@@ -184,7 +185,7 @@ void BendTool::onPoseCommand(int which) {
     }
     case BendPoseBox::Save: {
         const vcg::fcd::PoseSequence poses = expectPoses(session->state());
-        const QString file = fileToSave(*view, "Save poses", kinds);
+        const QString file = fileToSave(*view, "Save poses", kinds, *model);
         if (file.isEmpty() || !isReady())
             return;
         saveFiles({{file, PoseSequenceText(poses)}});
@@ -213,30 +214,43 @@ void BendTool::exportAnimation() {
         return;
     AnimationExport how = dialog.asked();
     const auto animation = std::make_shared<BendSession::Animation>(session->animation(how));
-    how.file = fileToSave(*view, "Export animation", "glTF (*.glb);;Point cache (*.pc2);;Point cache (*.mdd)");
-    if (how.file.isEmpty() || !isReady())
-        return;
+    if (how.isFile()) {
+        how.file =
+            fileToSave(*view, "Export animation", "glTF (*.glb);;Point cache (*.pc2);;Point cache (*.mdd)", *model);
+        if (how.file.isEmpty() || !isReady())
+            return;
+    }
     if (how.isGltf())
         session->readLook(*animation);
-    const auto files = std::make_shared<FilesToSave>();
-    const auto report = std::make_shared<vcg::fcd::SequenceReport>();
+    const auto made = std::make_shared<ExportedAnimation>();
     beside(
         "Exporting the animation",
-        [=](const vcg::fcd::Progress &progress) {
-            *report = session->exportAnimation(*animation, how, *files, progress);
-        },
+        [=](const vcg::fcd::Progress &progress) { session->exportAnimation(*animation, how, *made, progress); },
         [=] {
-            files->save();
-            tell("Wrote " + std::to_string(report->frames) + " frames to " + how.file.toStdString() + ".",
-                 "In a script, once the layer is at rest: " + session->exportCall(*animation, how));
-            for (const std::string &each : animation->remarks)
-                say(each, true);
-            if (!report->converged)
-                say("Some frames did not converge.", true);
-            if (report->folded > 0)
-                say("In a frame, " + std::to_string(report->folded) +
-                        " triangles are flipped: the surface is squeezed or twisted too much there.",
+            const std::string call = "In a script, once the layer is at rest: " + session->exportCall(*animation, how);
+            const auto tellOf = [&](const std::string &what) {
+                tell(what, call);
+                for (const std::string &each : animation->remarks)
+                    say(each, true);
+                if (!made->report.converged)
+                    say("Some frames did not converge.", true);
+                if (made->report.folded > 0)
+                    say("In a frame, " + trianglesFlipped(std::size_t(made->report.folded)) +
+                            ": the surface is squeezed or twisted too much there.",
+                        true);
+            };
+            if (!how.isFile()) {
+                applyToNewLayer(
+                    [&] {
+                        session->addLayers(*made, [this](const std::string &line) { say(line); });
+                        tellOf("Made " + counted(made->frames.size(), "layer", "layers") +
+                               ". They are hidden: the eyes in the list of layers show them.");
+                    },
                     true);
+                return;
+            }
+            made->files.save();
+            tellOf("Wrote " + std::to_string(made->report.frames) + " frames to " + how.file.toStdString() + ".");
             refresh();
             view->update(); // with the gizmo
         },

@@ -289,7 +289,7 @@ void FitTool::chooseFiles(bool load) {
         showLayers();
     } else {
         expectSavable(session->state().pairs);
-        const QString file = fileToSave(*view, "Save pairs", kinds);
+        const QString file = fileToSave(*view, "Save pairs", kinds, *model);
         if (file.isEmpty() || !isReady())
             return;
         savePairs(*model, session->restShape().positions().data(), session->state().pairs, file);
