@@ -120,16 +120,10 @@ double BendReach::radiusAtEnd(std::size_t slot, double usual) const {
 /// that is farthest from the center of the body.
 std::optional<std::size_t> BendReach::endOfShortLimb(const Pointed &at) {
     const vcg::fcd::Graph &graph = surface->graph;
-    Eigen::Vector3f center = Eigen::Vector3f::Zero();
-    float all = 0;
-    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
-        center += surface->nodeArea[std::size_t(u)] * graph.position.col(u);
-        all += surface->nodeArea[std::size_t(u)];
-    }
-    center /= all;
     const std::vector<vcg::fcd::Index> ball = nodesWithin({at.slot}, 2 * at.usual);
     const vcg::fcd::Index end = *std::max_element(ball.begin(), ball.end(), [&](vcg::fcd::Index u, vcg::fcd::Index v) {
-        return (graph.position.col(u) - center).squaredNorm() < (graph.position.col(v) - center).squaredNorm();
+        return (graph.position.col(u) - middleOfAll).squaredNorm() <
+               (graph.position.col(v) - middleOfAll).squaredNorm();
     });
     const std::size_t slot = slotOf(end);
     const double radius = radiusAtEnd(slot, at.usual);
@@ -138,7 +132,7 @@ std::optional<std::size_t> BendReach::endOfShortLimb(const Pointed &at) {
     float turned = 0;
     for (const vcg::fcd::Index u : nodesWithin({slot}, radius))
         turned += surface->nodeArea[std::size_t(u)];
-    return turned < largestLimb * all ? std::optional(slot) : std::nullopt;
+    return turned < largestLimb * areaOfAll ? std::optional(slot) : std::nullopt;
 }
 
 /// Tells whether a handle turns the limb of a vertex, and no other one with it.

@@ -218,6 +218,13 @@ void BendReach::take(std::unique_ptr<vcg::fcd::SurfaceGraph> read) {
             area += surface->nodeArea[std::size_t(v)];
         partArea.push_back(area);
     }
+    middleOfAll.setZero();
+    areaOfAll = 0;
+    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
+        middleOfAll += surface->nodeArea[std::size_t(u)] * graph.position.col(u);
+        areaOfAll += surface->nodeArea[std::size_t(u)];
+    }
+    middleOfAll /= areaOfAll;
 }
 
 std::size_t BendReach::carrierOf(std::size_t slot, double hair) {

@@ -154,7 +154,9 @@ class BendReach {
     std::vector<std::uint32_t> beginOf, slotBy; ///< the slots of node u: slotBy from beginOf[u] on, ascending
     std::vector<int> partOf;                    ///< of each node: its connected part
     std::vector<float> partArea;                ///< of each part, frame units^2
-    std::vector<std::size_t> reached, from;     ///< result and argument of the last call of of()
+    Eigen::Vector3f middleOfAll = Eigen::Vector3f::Zero(); ///< of all nodes, weighted by area, frame units
+    float areaOfAll = 0;                                   ///< frame units^2
+    std::vector<std::size_t> reached, from;                ///< result and argument of the last call of of()
     double within = 0;
     std::map<std::pair<std::size_t, double>, double> closings; ///< results of closingRadius()
     std::size_t mostExtents = 24; ///< as many as a user has handles; each is some megabytes for a large layer
