@@ -59,6 +59,8 @@ class Fitter::Run {
     bool FindEnds();
     void TryEnds(const Progress &progress);
     void TryBothWays(const Progress &progress);
+    bool IsBentFar() const;
+    void FitAgain(const Progress &progress);
     std::vector<double> MovedFrom(const std::vector<Eigen::Vector3d> &before) const;
     bool MoreStay(const std::vector<Eigen::Vector3d> &before, double noise, std::vector<char> &stays) const;
     std::vector<double> Settle(const Progress &progress);
