@@ -20,9 +20,9 @@ class VertexFinder {
 
     /// The slot of a vertex by its number among the live ones. \throw vcg::fcd::Error \p file names none
     std::size_t numbered(std::int64_t number, const QString &file) const;
-    /// The slot of the vertex nearest to \p place, world units. \param point number in its file, from 0
+    /// The slot of the vertex nearest to \p point, world units. \param number of the point in its file, from 0
     /// \throw vcg::fcd::Error no vertex has finite coordinates
-    std::size_t nearestTo(const Eigen::Vector3d &place, std::size_t point);
+    std::size_t nearestTo(const Eigen::Vector3d &point, std::size_t number);
     /// The position of a vertex, layer units.
     Eigen::Vector3d at(std::size_t slot) const { return toVector(rest ? rest[slot] : layer.cm.vert[slot].cP()); }
 
