@@ -13,7 +13,6 @@
 #include <utility>
 
 using vcg::fcd::DeformationField;
-using vcg::fcd::Error;
 using vcg::fcd::Progress;
 
 DeformedCopies copyDeformation(MeshDocument &document, const CopyParam &param, const std::vector<MeshModel *> &targets,

@@ -15,6 +15,8 @@
 #include <string>
 #include <vector>
 
+struct Prepared;
+
 /// The result of a fit, before it is a layer.
 struct FittedSurface {
     vcg::fcd::DeformationResult result;

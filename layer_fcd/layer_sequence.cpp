@@ -142,6 +142,7 @@ std::vector<Companion> companionsOf(const MeshDocument &document, const MeshMode
                 target, matrix,
                 [&](const CarriedVertices &vertices, auto &displacement, auto &linear) {
                     std::vector<vcg::fcd::SurfacePlace> at;
+                    at.reserve(vertices.slot.size());
                     for (const std::size_t slot : vertices.slot)
                         at.push_back((*places)[slot]);
                     carrier.Displacements(at, vertices.position, displacement, linear);

@@ -55,6 +55,7 @@ void BendSession::addLayers(const ExportedAnimation &made, const Remark &remark)
     restore(); // the layers get its normals, turned
     NewLayers layers(document, layer, remark);
     std::vector<MeshModel *> added;
+    added.reserve(made.frames.size());
     for (const ExportedAnimation::Frame &each : made.frames)
         added.push_back(&layers.addDeformed(each.what, each.position, each.linear, {}));
     layers.keep(layer, {});
