@@ -168,19 +168,15 @@ void Fitter::Run::TryEnds(const Progress &progress) {
     ends.clear();
 }
 
-/// Tries matching both ways, from the start, and if it is bent far, also from where it lies; keeps what reaches nearly
-/// all of the target, with more of the surface on it.
-void Fitter::Run::TryBothWays(const Progress &progress) {
-    for (const bool isFirst : {true, false})
-        if (!report.bothWays && (isFirst || IsBentFar())) {
-            Kept oneWay = SetAside();
-            MatchAnew(true);
-            graph = isFirst ? start : graph;
-            Soften(progress.Slice(isFirst ? 0 : 0.5, isFirst ? 0.5 : 1));
-            report.bothWays = matches->Unreached() <= mostUnreached && report.matched > oneWay.report.matched;
-            if (!report.bothWays)
-                TakeBack(std::move(oneWay));
-        }
+/// Tries matching both ways; keeps it if it reaches nearly all of the target, and more of the surface lies on it.
+void Fitter::Run::TryBothWays(GraphPose from, const Progress &progress) {
+    Kept oneWay = SetAside();
+    MatchAnew(true);
+    graph = std::move(from);
+    Soften(progress);
+    report.bothWays = matches->Unreached() <= mostUnreached && report.matched > oneWay.report.matched;
+    if (!report.bothWays)
+        TakeBack(std::move(oneWay));
 }
 
 /// The whole fit from one start.
@@ -189,8 +185,11 @@ void Fitter::Run::Lay(const Progress &progress) {
     Draw(progress.Slice(0, 0.4));
     if (matches->Unreached() > mostUnreached) {
         TryEnds(progress.Slice(0.4, 0.6));
-        if (!param.bothWays && matches->Unreached() > mostUnreached)
-            TryBothWays(progress.Slice(0.6, 0.8));
+        if (!param.bothWays && matches->Unreached() > mostUnreached) {
+            TryBothWays(start, progress.Slice(0.6, 0.7));
+            if (!report.bothWays && IsBentFar())
+                TryBothWays(graph, progress.Slice(0.7, 0.8));
+        }
     }
     FitAgain(progress.Slice(0.8, 0.9));
     StiffenGaps(Settle(progress), progress);

@@ -58,7 +58,7 @@ class Fitter::Run {
     void Draw(const Progress &progress);
     bool FindEnds();
     void TryEnds(const Progress &progress);
-    void TryBothWays(const Progress &progress);
+    void TryBothWays(GraphPose from, const Progress &progress);
     bool IsBentFar() const;
     void FitAgain(const Progress &progress);
     std::vector<double> MovedFrom(const std::vector<Eigen::Vector3d> &before) const;
