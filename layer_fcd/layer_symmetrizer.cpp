@@ -28,6 +28,8 @@ SymmetryGoal goalOf(const MeshModel &layer, const SymmetrizeParam &param, const 
     SymmetryGoal goal;
     if (!param.planeNormal.isZero(0))
         goal.plane = vcg::fcd::MirrorPlane{param.planePoint, param.planeNormal};
+    if (param.pairsFile.isEmpty() && param.midlineFile.isEmpty())
+        return goal;
     VertexFinder vertices(layer, nullptr);
     const auto markAt = [&](const Eigen::Vector3d &place, std::size_t point) {
         return SymmetryMark{vertices.nearestTo(place, point), place};
