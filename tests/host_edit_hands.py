@@ -1757,6 +1757,18 @@ def test_the_animation_is_scrubbed_on_its_bar(window, tmp_path):
     assert np.array_equal(load(w.save("last.ply"))[0], bent) and selected(1)
 
 
+def fill_export(w, **fields):
+    """Fills the dialog for an export, and accepts it."""
+    for field, text in fields.items():
+        x, y, _, height = w.box(field)
+        w.click((x + 20, y + height // 2))
+        w.key("ctrl+a")
+        w.do("type", "--delay", 5, text)
+        w.key("Tab")
+    w.shot("asked")
+    w.click(w.place("choose"))
+
+
 def test_an_animation_is_exported(window, tmp_path):
     """As the filter writes it, to the bit, with the layer's colours; a part of it, too. The log has the call."""
     colors = np.random.default_rng(1).integers(0, 256, (len(tube_with_ends()[0]), 3))
@@ -1768,21 +1780,11 @@ def test_an_animation_is_exported(window, tmp_path):
     shown = load(w.save("shown.ply"))[0]
     answer(w, "saveposes", "Save poses", str(tmp_path / "poses.csv"))
 
-    def choose(**fields):
-        for field, text in fields.items():
-            x, y, _, height = w.box(field)
-            w.click((x + 20, y + height // 2))
-            w.key("ctrl+a")
-            w.do("type", "--delay", 5, text)
-            w.key("Tab")
-        w.shot("asked")
-        w.click(w.place("choose"))
-
     def write(name, kind="", **fields):
         written = w.text().count("Bend: Wrote ")
         w.click(w.place("export"))
         w.wait_for_title("Export animation")
-        choose(**fields)
+        fill_export(w, **fields)
         w.do("sleep", 0.5) # the next dialog has the same title
         w.wait_for_title("Export animation")
         w.do("type", "--delay", 5, str(tmp_path / name))
@@ -1822,7 +1824,7 @@ def test_an_animation_is_exported(window, tmp_path):
 
     w.click(w.place("export"))
     w.wait_for_title("Export animation")
-    choose(**{"from": "0.8", "to": "0.2"})
+    fill_export(w, **{"from": "0.8", "to": "0.2"})
     w.wait("The animation is to end before it begins.")
 
     w.click(w.place("saveposes"))
@@ -1833,7 +1835,7 @@ def test_an_animation_is_exported(window, tmp_path):
     assert (tmp_path / "tube.csv").read_bytes() == (tmp_path / "poses.csv").read_bytes()
     w.click(w.place("export"))
     w.wait_for_title("Export animation")
-    choose(rate="4")
+    fill_export(w, rate="4")
     w.do("sleep", 0.5)
     asked = w.wait_for_title("Export animation")
     w.click((680, 537))
@@ -1864,14 +1866,7 @@ def test_an_animation_is_exported_as_layers(window, tmp_path):
         w.wait_for_title("Export animation")
         w.click(w.place("what"))
         w.key(*downs, "Return")
-        for field, text in fields.items():
-            x, y, _, height = w.box(field)
-            w.click((x + 20, y + height // 2))
-            w.key("ctrl+a")
-            w.do("type", "--delay", 5, text)
-            w.key("Tab")
-        w.shot("asked")
-        w.click(w.place("choose"))
+        fill_export(w, **fields)
         w.wait("Bend: Made ", made + 1)
         w.wait_for_title("MeshLab")
         w.settle()

@@ -260,9 +260,9 @@ def test_landmarks_are_vertices_or_places():
     by_place = Deformer(vertices, faces, left, beside)
     assert by_place.points.tolist() == at.tolist()
     assert np.abs(by_place.pose(landmarks=beside + [0, 0, 3]).vertices - by_number).max() < 1e-12
-    ends = [0, 7, len(vertices) - 1]
-    alone = Deformer(vertices, faces, points=ends).pose(landmarks=vertices[ends] + [[0, 0, 0], [0, 0, 0], [0, 0, 1]])
-    assert np.abs(alone.vertices[ends] - vertices[ends] - [[0, 0, 0], [0, 0, 0], [0, 0, 1]]).max() < 1e-12
+    with pytest.warns(fcd.LandmarkWarning, match="on one line"):
+        alone = Deformer(vertices, faces, points=[0, len(vertices) - 1]).pose(landmarks=vertices[[0, -1]] + [[0, 0, 0], [0, 0, 1]])
+    assert np.abs(alone.vertices[-1] - vertices[-1] - [0, 0, 1]).max() < 1e-12 and np.abs(alone.vertices[0] - vertices[0]).max() < 1e-12
 
 
 def test_poses_go_on_from_others(bent):
