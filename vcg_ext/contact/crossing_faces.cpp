@@ -15,7 +15,8 @@ namespace {
 
 constexpr const char *stage = "Looking for contact";
 
-/// The faces that may be in contact: all that move, and those at rest within the box of these.
+/// The faces that may be in contact: all that move, and those at rest within the box of these. Faces whose corners lie
+/// at one point or on one line are left out: none passes through another, and thousands at one point would all meet.
 struct Looked {
     std::vector<std::uint32_t> face, still; ///< ascending
     Eigen::AlignedBox3d box;                ///< of the moving faces, now
@@ -41,7 +42,7 @@ Looked FacesToLookAt(const TwoShapes &shape, const Progress &progress) {
     ParallelFor(progress.Slice(0.3, 0.7), stage, mesh.faces, grain, [&](std::size_t first, std::size_t last) {
         Looked &own = part[first / grain];
         for (std::size_t f = first; f < last; ++f)
-            if (mesh.IsFace(f) && stateOf(f) == Moves) {
+            if (mesh.IsFace(f) && stateOf(f) == Moves && shape.HasAreaNow(f)) {
                 own.face.push_back(std::uint32_t(f));
                 own.box.extend(shape.BoxNow(f));
             }
@@ -55,7 +56,7 @@ Looked FacesToLookAt(const TwoShapes &shape, const Progress &progress) {
         return all;
     ParallelFor(progress.Slice(0.7, 1), stage, mesh.faces, grain, [&](std::size_t first, std::size_t last) {
         for (std::size_t f = first; f < last; ++f)
-            if (mesh.IsFace(f) && stateOf(f) == Stays && all.box.intersects(shape.BoxNow(f)))
+            if (mesh.IsFace(f) && stateOf(f) == Stays && all.box.intersects(shape.BoxNow(f)) && shape.HasAreaNow(f))
                 part[first / grain].still.push_back(std::uint32_t(f));
     });
     for (Looked &each : part)

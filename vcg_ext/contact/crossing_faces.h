@@ -44,6 +44,10 @@ class TwoShapes {
             box.extend(Now(Corner(f, k)));
         return box;
     }
+    bool HasAreaNow(std::size_t f) const {
+        const Corners3 c = CornersNow(f);
+        return !(c[1] - c[0]).cross(c[2] - c[0]).isZero(0);
+    }
     bool ShareCorner(std::size_t f, std::size_t g) const {
         for (std::size_t k = 0; k < 3; ++k)
             for (std::size_t l = 0; l < 3; ++l)
