@@ -24,7 +24,10 @@ std::vector<std::unique_ptr<const GraphMapping::Posed>> MappedOf(const MovingSur
 
 Carrier::Carrier(const MovingSurface &surface, const SurfacePose &pose, unsigned threads)
     : moving(surface), pose(pose), mapped(MappedOf(surface, pose, threads)), looseMotion(LooseMotions()),
-      placeMotion(PlaceMotions(threads)), moves(pose.Moves()) {}
+      placeMotion(PlaceMotions(threads)), moves(pose.Moves()) {
+    for (const RegionPose &region : pose.region)
+        regionMoves.push_back(region.Moves());
+}
 
 Eigen::Vector3d Carrier::MovedUnbent(std::size_t slot, const Eigen::Vector3d &p, Eigen::Matrix3f &linear) const {
     linear.setIdentity();

@@ -141,9 +141,8 @@ class Carrier {
     /// Whether the vertices of a patch keep their bits: nothing moves in its region or, with distances along the
     /// surface, in its part of the graph. With Euclidean weights, nodes of other parts influence it.
     bool Rests(std::size_t region, Index patch) const {
-        const RegionPose &posed = pose.region[region];
-        return !posed.Moves() ||
-               (moving.regions[region]->weights == MappingWeights::Surface && posed.graph.rests[patch]);
+        return !regionMoves[region] ||
+               (moving.regions[region]->weights == MappingWeights::Surface && pose.region[region].graph.rests[patch]);
     }
 
     /// The motion of a held vertex, or of a free one at the same position as a held one, mesh units.
@@ -164,6 +163,7 @@ class Carrier {
     const std::vector<Eigen::Matrix4d> looseMotion;                       // of each loose part, mesh units
     const std::vector<Eigen::Affine3d> placeMotion; // of each of LooseFollowing::place, mesh units
     const bool moves;
+    std::vector<char> regionMoves; // asked for each block of vertices, while RegionPose::Moves looks at each handle
 };
 
 } // namespace vcg::fcd
