@@ -147,6 +147,23 @@ TEST(CloudNeighbourhood, OfAPointIsTheSameWhateverIsAskedBefore) {
     EXPECT_EQ(looked, (std::set<std::size_t>{12, 48, 192}));
 }
 
+TEST(PointTree, OfManyPointsAtOnePlaceFindsTheFirstWithoutLookingAtAll) {
+    // A scanner's invalid points. Each search among them would look at all: 20 thousand times 200 thousand.
+    constexpr Index many = 200000;
+    Eigen::Matrix3Xd points(3, many + 100);
+    points.leftCols(many).colwise() = Eigen::Vector3d(1, 2, 3);
+    for (Index i = 0; i < 100; ++i)
+        points.col(many + i) << i, i % 7, i % 3;
+    const PointTree<double> tree(points, 2);
+    std::vector<PointTree<double>::Neighbour> found;
+    for (int i = 0; i < 20000; ++i) {
+        tree.Nearest(Eigen::Vector3d(1, 2, 3 + i % 2), 10, found);
+        ASSERT_EQ(found.size(), 10u);
+        for (Index k = 0; k < 10; ++k)
+            ASSERT_EQ(found[std::size_t(k)].point, k);
+    }
+}
+
 TEST(SortDiffering, IsAsStdSort) {
     std::mt19937 random(9);
     for (int i = 0; i < 100; ++i) {

@@ -64,6 +64,7 @@ class PointTree {
             }
         });
         box.resize((std::size_t(2) << levels) - 1);
+        least.resize(box.size());
         const int shared = std::min(levels, 6); // below this level, each cell is split by one thread
         std::vector<Box> cell{BoxOf(item.get(), 0, n)}, next;
         for (int level = 0; level < shared; ++level) {
@@ -94,8 +95,8 @@ class PointTree {
     void Nearest(const Point &p, std::size_t count, std::vector<Neighbour> &found, std::size_t begin = none,
                  std::size_t but = none) const {
         found.clear(); // a heap
-        const auto bound = [&] {
-            return found.size() < count ? std::numeric_limits<Scalar>::infinity() : found.front().square;
+        const auto limit = [&] {
+            return found.size() < count ? Limit() : Limit(found.front().square, found.front().point);
         };
         const auto look = [&](std::size_t first, std::size_t last) {
             Scalar square[most] = {};
@@ -114,14 +115,14 @@ class PointTree {
                 found.push_back(each);
                 std::push_heap(found.begin(), found.end());
             }
-            return bound();
+            return limit();
         };
         if (begin < Blocks())
             look(Begin(begin), Begin(begin + 1));
         const auto lookElsewhere = [&](std::size_t first, std::size_t last) {
-            return begin < Blocks() && first == Begin(begin) ? bound() : look(first, last);
+            return begin < Blocks() && first == Begin(begin) ? limit() : look(first, last);
         };
-        ForEachNearest(p, lookElsewhere, bound());
+        ForEachNearest(p, lookElsewhere, limit());
         std::sort_heap(found.begin(), found.end());
     }
     /// \return the number of the point nearest to \p p \param distance out; may be null
@@ -195,11 +196,19 @@ class PointTree {
         }
     }
 
-    /// Calls body(first, last) for blocks, the nearest first, up to a squared distance: \p bound, then what body
-    /// returns.
+    /// Where a search ends: beyond a squared distance, and at it for larger numbers. (Without numbers, a search among
+    /// many points at one place looks at all of them.)
+    struct Limit {
+        Scalar square;
+        Index point;
+
+        Limit(Scalar square = std::numeric_limits<Scalar>::infinity(), Index point = std::numeric_limits<Index>::max())
+            : square(square), point(point) {}
+    };
+
+    /// Calls body(first, last) for blocks, the nearest first, up to \p limit, then up to what body returns.
     template <class Body>
-    void ForEachNearest(const Point &p, const Body &body,
-                        Scalar bound = std::numeric_limits<Scalar>::infinity()) const {
+    void ForEachNearest(const Point &p, const Body &body, Limit limit = {}) const {
         struct Node {
             std::size_t j;
             int level;
@@ -212,14 +221,15 @@ class PointTree {
         stack[open++] = make(0, 0);
         while (open > 0) {
             const Node node = stack[--open];
-            if (node.square > bound)
+            if (node.square > limit.square ||
+                (node.square == limit.square && least[Place(node.level, node.j)] > limit.point))
                 continue;
             if (node.level == levels) {
-                bound = body(Begin(node.j), Begin(node.j + 1));
+                limit = body(Begin(node.j), Begin(node.j + 1));
                 continue;
             }
             Node a = make(node.level + 1, 2 * node.j), b = make(node.level + 1, 2 * node.j + 1);
-            if (a.square < b.square)
+            if (a.square <= b.square) // of equally near ones, that with the smaller numbers first
                 std::swap(a, b);
             stack[open++] = a;
             stack[open++] = b;
@@ -285,6 +295,7 @@ class PointTree {
             number[i] = item[i].number;
         }
         box[Place(level, j)] = BoxOf(item, first, last);
+        least[Place(level, j)] = item[first].number;
     }
 
     void Join(int level, std::size_t j) {
@@ -294,13 +305,16 @@ class PointTree {
             both.lo[d] = std::min(a.lo[d], b.lo[d]);
             both.hi[d] = std::max(a.hi[d], b.hi[d]);
         }
+        least[Place(level, j)] = std::min(least[Place(level + 1, 2 * j)], least[Place(level + 1, 2 * j + 1)]);
     }
 
     const std::size_t n;
     int levels = 0;
     std::unique_ptr<Scalar[]> x, y, z; // in the order of the blocks
     std::unique_ptr<Index[]> number;
-    std::vector<Box> box; // of each node of the tree, level by level
+    // Of each node of the tree, level by level.
+    std::vector<Box> box;
+    std::vector<Index> least; // the smallest number
 };
 
 /// A tree over some nodes of a graph. \param position 3 x n \param node at least one; the tree numbers them in this
