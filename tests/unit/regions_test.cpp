@@ -125,7 +125,7 @@ TEST(Regions, APointHandleChangesNoneOfTheOthers) {
     int compared = 0;
     for (unsigned seed = 1; seed <= (sanitized ? 3 : 8); ++seed)
         for (const Shape &shape :
-             {Sphere(40, 40), Points(Sphere(50, 50)), Points(Join(Sphere(30, 30), Sphere(30, 30)))}) {
+             {Sphere(30, 30), Points(Sphere(36, 36)), Points(Join(Sphere(22, 22), Sphere(22, 22)))}) {
             const Tagged each(shape, seed);
             if (!each.HasWork())
                 continue;
@@ -155,7 +155,7 @@ TEST(Regions, AlsoOfClouds) {
             if (const Tagged each(Points(shape), seed); each.HasWork())
                 compared += ExpectUnion(each, param);
     };
-    compare(Sphere(50, 50), sanitized ? 3 : 8);
-    compare(Sphere(8, 400), sanitized ? 2 : 5); // points in lines
+    compare(Sphere(36, 36), sanitized ? 3 : 8);
+    compare(Sphere(6, 260), sanitized ? 2 : 5); // points in lines
     EXPECT_GT(compared, sanitized ? 1 : 5);
 }

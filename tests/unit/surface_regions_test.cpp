@@ -128,7 +128,7 @@ TEST(TakeRegions, GivesTheBitsOfReadingEachAlone) {
     for (int rings : {20, 150}) // of one block of nodes, and of several
         for (bool spoiled : {false, true}) {
             Crumbs crumbs(Sphere(rings, rings));
-            crumbs.Scatter(rings > 100 ? 300 : 40, 1.5, unsigned(rings));
+            crumbs.Scatter(rings > 100 ? 80 : 40, 1.5, unsigned(rings));
             if (spoiled)
                 crumbs.Spoil();
             for (unsigned threads : {1u, 3u})
