@@ -168,80 +168,25 @@ def deformation(
 
     Parameters
     ----------
-    vertices : array_like or mesh
-        n x 3, or a mesh of trimesh, pyvista, Open3D or pymeshlab.
-    faces : array_like, optional
-        m x 3 numbers of vertices; None: a cloud, or what the mesh has.
-    tags : array_like, optional
-        n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside.
-    transforms : Transforms, optional
-        `{tag: 4 x 4 matrix or Motion}`; other handles stay.
-    points : array_like, optional
-        Landmarks: k numbers of free vertices, or k x 3 places.
-    landmarks : array_like, optional
-        k x 3, where the points go.
-    percent : float, default 100.0
-        Share of all motions that is made.
-    steps : int, default 1
-        Number of steps to the pose.
-    smoothness : float, default 0.0058
-        0.001 is loose, 0.1 is stiff.
-    falloff : {'smooth', 'linear', 'sharp', 'constant'}, default 'smooth'
-        How the motion of a handle fades.
-    elastic : bool, default False
-        What bends keeps its volume.
-    rigidity : float, default 1.0
-        1: as rigid as possible, 0: as a thin-plate spline, for what is sheared or grown.
-    patches : int, default 0
-        How many patches to begin with; 0: as many as the surface needs, 100 to 1500.
-    target_radius : float, default 0.0
-        How far a patch may reach; 0: automatic.
-    seed : int, default 1
-        Chooses where the first patches are.
-    nodes : array_like, optional
-        k x 3, centres of patches to use instead.
-    graph_weights : {'border', 'uniform', 'paper', 'printed'}, default 'border'
-        How strongly neighbouring patches hold together.
-    distances : {'surface', 'euclidean'}, default 'surface'
-        What a node may influence.
-    influence : float, default 4.0
-        How far a node reaches, in radii of its patch.
-    loose_parts : {'follow', 'stay'}, default 'follow'
-        What becomes of parts without a handle or fixed vertex.
-    weld_distance : float, default 1e-06
-        Fraction of the diagonal up to which vertices on open borders count as one.
-    max_iterations : int, default 1000
-        The shape is improved at most this often.
-    tolerance : float, default 1e-05
-        How near to rest the shape must come, a fraction of the diagonal.
+    vertices, faces, tags, transforms, points, landmarks, percent, steps
+        As of [deform][pymeshlab_fcd.deform].
+    smoothness, falloff, elastic, rigidity, patches, target_radius, seed, nodes, graph_weights, distances, influence
+        As of [deform][pymeshlab_fcd.deform].
+    loose_parts, weld_distance, max_iterations, tolerance, threads, progress, weights
+        As of [deform][pymeshlab_fcd.deform].
     accuracy : float, default 0.0
         How far a vertex may be off at most, in world units; 0: a fiftieth of the largest motion, at most a ten-thousandth of the diagonal
         of what moves.
-    threads : int, default 0
-        How many to use; 0 is one a core.
-    progress : Progress, optional
-        Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
-    weights : {'surface', 'euclidean'}, optional
-        The old name of `distances`.
 
     Returns
     -------
     Deformation
         What `save_fcd_deformation` saves of the same, to the bit. Its `largest_difference` tells how far a vertex is off at most.
 
-    Raises
-    ------
-    TypeError
-        An argument has the wrong type.
-    ValueError
-        An argument has the wrong shape, or is out of range, nothing is free, there is no handle, or a coordinate is not finite.
-    KeyboardInterrupt
-        Ctrl-C, at once; nothing is half done.
-
     Warns
     -----
     DeformationWarning
-        As of [deform][pymeshlab_fcd.deform], and where vertices are farther off than the accuracy.
+        As of [deform][pymeshlab_fcd.deform], which also tells the errors, and where vertices are farther off than the accuracy.
     """
     told, least = shared(progress), _inputs.accuracy(accuracy)
     pose = _posed(vertices, faces, tags, transforms, landmarks, percent, steps, report(told, 0, 60), points, dict(

@@ -448,8 +448,8 @@ def fit(
     progress: Progress = None,
 ) -> Fitted:
     """Fits a surface onto another one: deforms it, as rigidly as possible, until it lies on triangles or points. Parts without a counterpart
-    are carried along. This is a [Fitter][pymeshlab_fcd.Fitter] and its [fit][pymeshlab_fcd.Fitter.fit] in one call; their reference explains
-    all parameters. Meshes of other libraries bring their faces: `fit(mesh, target)`, or `fit(mesh, target_vertices, target_faces)`.
+    are carried along. This is a [Fitter][pymeshlab_fcd.Fitter] and its [fit][pymeshlab_fcd.Fitter.fit] in one call. Meshes of other libraries
+    bring their faces: `fit(mesh, target)`, or `fit(mesh, target_vertices, target_faces)`.
 
     Parameters
     ----------
@@ -461,56 +461,12 @@ def fit(
         k x 3, or a mesh.
     target_faces : array_like, optional
         m x 3 numbers of its vertices; None: a cloud, or what the mesh has.
-    landmarks : Sequence[array_like], optional
-        Two arrays: numbers of free vertices, or places, and the points of the target where they belong.
-    tags : array_like, optional
-        n whole numbers: 0 fixed, 1 free, 2 and up handles, negative outside. None: all is free.
-    transforms : Transforms, optional
-        `{tag: 4 x 4 matrix or Motion}` of handles; others stay.
-    normals : array_like, optional
-        n x 3, at rest, which turn with the surface.
-    target_normals : array_like, optional
-        k x 3, of a cloud.
-    weights : array_like, optional
-        n numbers from 0 (carried along, not matched) to 1, or a mask. None: all counts.
-    target_weights : array_like, optional
-        k numbers from 0 (as if it were not there) to 1, or a mask. None: all counts.
-    check : Sequence[array_like], optional
-        Two arrays as of `landmarks`; these pairs are kept back, to judge the fit by: `FitInfo.check`.
-    leave_one_out : bool, default False
-        Also fits without each landmark: `FitInfo.leave_one_out`.
-    curves : Sequence[Sequence[array_like]], optional
-        Pairs of curves that slide along each other: vertices and the corners of a polyline, as of `Fitter.fit`, or from `read_curves`.
-    start : {'as_they_lie', 'landmarks_rigid', 'landmarks_similar', 'axes'}, default 'as_they_lie'
-        `as_they_lie`, `landmarks_rigid`, `landmarks_similar` or `axes`.
-    stiffness : float, default 1.0
-        1 is the default, 10 is stiff.
-    rigidity : float, default 1.0
-        1: as rigid as possible; 0: smooth, for what is sheared or scaled all over.
-    largest_distance : float, default 0.0
-        Places farther from the target have no counterpart there. 0: no limit.
-    largest_angle : float, default 70.0
-        The largest angle between the normals of counterparts, degrees.
-    landmarks_only : bool, default False
-        The surface only follows its landmarks; `target_vertices` may be None.
-    both_ways : bool, default False
-        The target is also matched to the surface. False: only if that fits better.
-    landmark_tolerance : float, default 0.0
-        How far a landmark may stay from its target. 0: it is exact.
-    patches : int, default 150
-        How many patches to begin with.
-    smoothness : float, default 0.0058
-        0.001 is loose, 0.1 is stiff.
-    seed : int, default 1
-        Chooses where the first patches are.
-    samples : int, default 6000
-        How many places are matched.
-    steps : int, default 50
-        The most steps from stiff to soft.
-    threads : int, default 0
-        How many to use; 0 is one a core.
-    progress : Progress, optional
-        Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
+    tags, transforms, normals, weights, start, stiffness, rigidity, largest_distance, largest_angle, landmarks_only, both_ways
+        As of [Fitter][pymeshlab_fcd.Fitter].
+    landmark_tolerance, patches, smoothness, seed, samples, steps, threads, progress
+        As of [Fitter][pymeshlab_fcd.Fitter].
+    landmarks, target_normals, target_weights, check, leave_one_out, curves
+        As of [Fitter.fit][pymeshlab_fcd.Fitter.fit].
 
     Returns
     -------
@@ -518,22 +474,10 @@ def fit(
         The fitted vertices, `Fitted.vertices`: the same bits as those of the filter `generate_fcd_fitted_mesh`. Its `map` carries other points
         along, and its `deformation` can be saved.
 
-    Raises
-    ------
-    TypeError
-        An argument has the wrong type.
-    ValueError
-        An argument has the wrong shape, or is out of range, nothing is free, the target is empty, nothing has a counterpart there, landmarks or curves are
-        not free, landmarks at one place, or the start does not go with them or with the tags.
-    RuntimeError
-        The fit has no solution in double precision, as of a surface that is as thin as a line.
-    KeyboardInterrupt
-        Ctrl-C, at once; nothing is half done.
-
     Warns
     -----
     DeformationWarning
-        What is not to be trusted, as of [Fitter.fit][pymeshlab_fcd.Fitter.fit].
+        What is not to be trusted, as of [Fitter.fit][pymeshlab_fcd.Fitter.fit], which also tells the errors.
     """
     told = shared(progress)
     found, target, corners = _meshes.beside(vertices, faces, target_vertices, target_faces)

@@ -200,20 +200,8 @@ def symmetrize(
     landmark_tolerance : float, default 0.0
         How far a landmark may stay from its target, in units of the vertices. Above 0, landmarks that the others contradict are left out of the
         fit.
-    patches : int, default 150
-        How many patches to begin with, from 1.
-    smoothness : float, default 0.0058
-        How strongly neighbouring parts must turn alike: 0.001 is loose, 0.1 is stiff.
-    seed : int, default 1
-        Chooses where the first patches are.
-    samples : int, default 6000
-        How many places of the surface are matched, from 100.
-    steps : int, default 50
-        The most steps from stiff to soft, 2 to 10000.
-    threads : int, default 0
-        How many to use; 0 is one a core.
-    progress : Progress, optional
-        Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
+    patches, smoothness, seed, samples, steps, threads, progress
+        As of [Fitter][pymeshlab_fcd.Fitter].
 
     Returns
     -------
