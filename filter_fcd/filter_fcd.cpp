@@ -31,42 +31,13 @@ MeshModel &input(MeshDocument &document) {
 } // namespace
 
 FilterFcd::FilterFcd() {
-    announce({BuildGraph, DeformMesh, FitMesh, StraightenMesh, Symmetrize, Compensate, PoseSequence, PoseInPlace,
-              ResetPose, CopyDeformation, SaveDeformation, Tag, ClearTags, SaveSession, LoadSession, TagSelection,
-              TagsFromFiles, SaveTags});
+    announce(SaveTags + 1);
     if (qobject_cast<QGuiApplication *>(QCoreApplication::instance())) // there is a window
         for (const int id : {TagSelection, TagsFromFiles, SaveTags})
             action(id)->setVisible(false); // neither in menus nor in the search
 }
 
 QString FilterFcd::name() const { return "FilterFCD"; }
-
-HostFilterPlugin::FilterClass FilterFcd::menus(int id) const {
-    // The class Texture makes the host load the textures of the new current layer.
-    const int both = int(Smoothing) | int(Texture);
-    // NOLINTNEXTLINE(clang-analyzer-optin.core.EnumCastOutOfRange): the host takes it as bits
-    return id == DeformMesh || id == FitMesh || id == StraightenMesh || id == Symmetrize || id == Compensate ||
-                   id == PoseSequence || id == CopyDeformation
-               ? FilterClass(both)
-               : Smoothing;
-}
-
-int FilterFcd::changes(int id) const {
-    const int shape = MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL | MeshModel::MM_FACENORMAL;
-    switch (id) {
-    case PoseInPlace: return shape;
-    // MM_VERTNUMBER switches the preview off, which could not be undone: the host does not restore attributes.
-    case ResetPose: return shape | MeshModel::MM_VERTNUMBER;
-    case LoadSession:
-        return shape | MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTNUMBER |
-               MeshModel::MM_TRANSFMATRIX;
-    case Tag: // a preview would write files
-    case ClearTags: return MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTNUMBER;
-    case TagSelection:
-    case TagsFromFiles: return MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR;
-    }
-    return MeshModel::MM_NONE;
-}
 
 RichParameterList FilterFcd::parameters(int id, const MeshDocument &document) const {
     RichParameterList list = defaults(id, document);

@@ -75,9 +75,9 @@ class HostFilterPlugin : public QObject,
     virtual QString name() const = 0;
 
   protected:
-    /// Announces the filters; to be called once, in the constructor.
-    void announce(std::initializer_list<int> ids) {
-        for (int id : ids) {
+    /// Announces the filters 0 to \p count - 1; to be called once, in the constructor.
+    void announce(int count) {
+        for (int id = 0; id < count; ++id) {
             typeList.push_back(id);
             actionList.push_back(new QAction(filterName(id), this));
         }
