@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include <QSet>
+
 namespace {
 
 Scalarm diagonal(const MeshDocument &document) {
@@ -12,6 +14,11 @@ Scalarm diagonal(const MeshDocument &document) {
 }
 
 } // namespace
+
+QString Fields::shared(const QString &text) {
+    static QSet<QString> all;
+    return *all.insert(text);
+}
 
 void Fields::field(const QString &name, bool &value, Shown shown, const QString &label, const QString &help) {
     visit<RichBool>(

@@ -63,7 +63,7 @@ class Fields {
     void layer(const QString &name, Layer *&value, const MeshModel *likely, Shown shown, const QString &label,
                const QString &help) {
         if (!given)
-            host::addLayerParameter(list, shown, name, likely, document, label, help);
+            host::addLayerParameter(list, shown, name, likely, document, shared(label), shared(help));
         else if (isGiven(name))
             value = host::layerParameter(*given, name, document);
     }
@@ -75,10 +75,16 @@ class Fields {
     const MeshDocument &document;
 
   private:
+    /// The same text, of which there is one copy: pymeshlab keeps the parameters of each call.
+    static QString shared(const QString &text);
+    template <class Argument>
+    static const Argument &shared(const Argument &other) {
+        return other;
+    }
     template <class Rich, class Read, class... Arguments>
     void visit(const QString &name, Shown shown, const Read &read, const Arguments &...arguments) {
         if (!given)
-            host::addParameter<Rich>(list, shown, name, arguments...);
+            host::addParameter<Rich>(list, shown, name, shared(arguments)...);
         else if (!mayLack || isGiven(name))
             read();
     }
