@@ -36,10 +36,11 @@ std::optional<Eigen::Affine3d> affineMapOf(const std::vector<Eigen::Vector3d> &f
     }
     const Eigen::JacobiSVD<Eigen::Matrix3d> axes(spread, Eigen::ComputeFullU);
     Eigen::Affine3d map;
+    Eigen::Matrix3d inverse = spread.inverse(); // in the plane of the points, if they lie in one
     // A thousandth, squared: beside points that are thinner, the map would be off by thousands of roundings.
     const double thin = 1e-6;
     if (!isFlat(axes.singularValues(), thin)) {
-        map.linear() = both * spread.inverse();
+        map.linear() = both * inverse;
     } else if (axes.singularValues()[1] > thin * axes.singularValues()[0]) {
         // Points in a plane tell the map beside the plane if they were turned, moved and scaled as a whole, not
         // mirrored.
@@ -49,12 +50,24 @@ std::optional<Eigen::Affine3d> affineMapOf(const std::vector<Eigen::Vector3d> &f
         const double alike = 1e-3;
         if (!(std::abs(a.norm() - b.norm()) <= alike * a.norm() && std::abs(a.dot(b)) <= alike * normal.norm()))
             return {};
+        inverse = u * u.transpose() / axes.singularValues()[0] + v * v.transpose() / axes.singularValues()[1];
         map.linear() = a * u.transpose() + b * v.transpose() +
                        normal * (std::sqrt(normal.norm()) / normal.norm()) * u.cross(v).transpose();
     } else {
         return {};
     }
     map.translation() = newMiddle - map.linear() * middle;
+    // Sums over many points are rounded by more than a point is, so what they leave is fitted again.
+    for (int again = 0; again < 2; ++again) {
+        Eigen::Vector3d off = Eigen::Vector3d::Zero();
+        Eigen::Matrix3d left = Eigen::Matrix3d::Zero();
+        for (std::size_t i = 0; i < from.size(); ++i) {
+            off += to[i] - map * from[i];
+            left += (to[i] - map * from[i]) * (from[i] - middle).transpose();
+        }
+        map.linear() += left * inverse;
+        map.translation() += off / double(from.size()) - left * inverse * middle;
+    }
     if (isFlat(singularValues(map.linear()), 1e-3))
         return {};
     double largest = 0, off = 0;
