@@ -143,7 +143,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::copy(const RichParameterList &parame
 
 HostFilterPlugin::ReturnedValues FilterFcd::save(const RichParameterList &parameters, const MeshDocument &document,
                                                  const Progress &progress) {
-    const SavedDeformation saved = saveDeformation(read<SaveDeformationParam>(parameters, document), progress);
+    const SavedDeformation saved = saveDeformation(read<SaveDeformationParam>(parameters, document), toLog(), progress);
     logLine(describe(saved));
     warn(warningsOf(saved));
     return valuesOf(saved);

@@ -26,7 +26,8 @@ DeformedCopies copyDeformation(MeshDocument &document, const CopyParam &param, c
     Eigen::Affine3d matrix = Eigen::Affine3d::Identity();
     if (param.file.isEmpty()) {
         const Deformation &deformation = deformationOf(param);
-        source = std::make_unique<const CarryingSurface>(*param.source, positionsBefore(*param.source, deformation));
+        source = std::make_unique<const CarryingSurface>(*param.source,
+                                                         sourceThen(*param.source, deformation, remark).position);
         carrier = std::make_unique<vcg::fcd::Carrier>(*deformation.prepared->deformer, deformation.pose);
         displacements = [&](const CarriedVertices &vertices, auto &displacement, auto &linear) {
             std::vector<vcg::fcd::SurfacePlace> places(vertices.slot.size());

@@ -27,17 +27,7 @@ Eigen::Matrix3Xd readNodes(const MeshModel &layer, const MeshModel *graph) {
     if (graph->cm.vn == 0)
         throw Error("The graph layer " + inQuotes(*graph) +
                     " has no vertices, so there are no nodes. Choose another layer, or untick 'use_graph_layer'.");
-    const Eigen::Affine3d from = matrixOf(*graph), to = invertibleMatrixOf(layer);
-    const bool same = from.matrix() == to.matrix();
-    const Eigen::Affine3d change = to.inverse() * from;
-    Eigen::Matrix3Xd nodes(3, graph->cm.vn);
-    Eigen::Index next = 0;
-    for (const CVertexO &vertex : graph->cm.vert)
-        if (!vertex.IsD()) {
-            const Eigen::Vector3d position = vcg::tri::PositionOf(vertex);
-            nodes.col(next++) = same ? position : change * position;
-        }
-    return nodes;
+    return positionsIn(invertibleMatrixOf(layer), *graph);
 }
 
 // --- new ones ---

@@ -2,15 +2,27 @@
 #include "kept_deformation.h"
 #include "layer_contents.h"
 #include "layer_labels.h"
+#include "layer_matrix.h"
 #include "rest_shape.h"
+
+#include <algorithm>
+#include <utility>
 
 using vcg::fcd::Error;
 
 namespace {
 
-/// Whether \p layer has the shape that was deformed; otherwise that may be its rest shape.
-bool isAsDeformed(const MeshModel &layer, const Deformation &deformation) {
-    return shapeOf(layer.cm) == deformation.shape;
+/// Whether \p layer has the shape that was deformed, now or at rest.
+bool hasShape(MeshModel &layer, const Deformation &deformation) {
+    return shapeOf(layer.cm) == deformation.shape ||
+           (RestShape::exists(layer) && RestShape(layer).shape() == deformation.shape);
+}
+
+/// Whether \p layer is the very one that was deformed, with the same mesh, wherever its vertices are now.
+bool isSameMesh(const MeshModel &layer, const Deformation &deformation) {
+    const CMeshO &mesh = layer.cm;
+    return layer.id() == deformation.source && mesh.vert.size() == deformation.rest.size() &&
+           mesh.vn == deformation.vertices && facesOf(mesh) == deformation.corners;
 }
 
 } // namespace
@@ -18,11 +30,17 @@ bool isAsDeformed(const MeshModel &layer, const Deformation &deformation) {
 void keepDeformation(const MeshDocument &document, MeshModel &graph, const MeshModel &restGraph,
                      const MeshModel &source, const std::shared_ptr<const Prepared> &prepared,
                      const vcg::fcd::Deformer::Pose &pose) {
+    const CMeshO &mesh = source.cm;
+    std::vector<Point3m> rest;
+    rest.reserve(mesh.vert.size());
+    for (const CVertexO &vertex : mesh.vert)
+        rest.push_back(vertex.cP());
     LayerState::made(document, graph).deformation = std::make_shared<const Deformation>(
-        Deformation{prepared, pose, shapeOf(source.cm), source.cm.fn, source.id(), restGraph.id()});
+        Deformation{prepared, pose, std::move(rest), invertibleMatrixOf(source), shapeOf(mesh), facesOf(mesh), mesh.vn,
+                    mesh.fn, source.id(), restGraph.id()});
 }
 
-const Deformation &deformationOf(const DeformationLayers &layers) {
+const Deformation &deformationOf(const DeformationLayers &layers, bool evenIfMoved) {
     const auto [source, restGraph, deformedGraph] = layers;
     if (!source || !restGraph || !deformedGraph)
         throw Error(
@@ -35,27 +53,31 @@ const Deformation &deformationOf(const DeformationLayers &layers) {
                     "are saved and loaded lose it. Deform the source again; to keep a deformation, use 'FCD: Save "
                     "Deformation' (save_fcd_deformation), and give its deformation_file.");
     const Deformation &deformation = *found; // the document owns it
-    const CMeshO &mesh = source->cm;
-    const bool isThere = isAsDeformed(*source, deformation) ||
-                         (RestShape::exists(*source) && RestShape(*source).shape() == deformation.shape);
-    if (!isThere || mesh.fn != deformation.faces)
+    const bool isThere = source->cm.fn == deformation.faces && hasShape(*source, deformation),
+               isElsewhere = !isThere && isSameMesh(*source, deformation);
+    if (!isThere && !(isElsewhere && evenIfMoved))
         throw Error("The layer " + inQuotes(*source) + " is not what " + inQuotes(*deformedGraph) +
                     " was made from, or it was changed since. Choose the layer that was deformed, give it the pose "
-                    "that it had then, or deform it again.");
-    if (restGraph == source || !HasNodes(*deformation.prepared->deformer, readNodes(*source, restGraph)))
+                    "that it had then, or deform it again." +
+                    (isElsewhere ? " It was only moved: 'FCD: Save Deformation' (save_fcd_deformation) still saves the "
+                                   "deformation as it was; give that deformation_file."
+                                 : ""));
+    const Eigen::Affine3d matrix = isThere ? invertibleMatrixOf(*source) : deformation.matrix;
+    if (restGraph == source || !HasNodes(*deformation.prepared->deformer, positionsIn(matrix, *restGraph)))
         throw Error("The layer " + inQuotes(*restGraph) + " is not the graph at rest of " + inQuotes(*deformedGraph) +
                     ". Choose the graph that was made together with it.");
     return deformation;
 }
 
-Eigen::Matrix3Xd positionsBefore(MeshModel &source, const Deformation &deformation) {
-    Eigen::Matrix3Xd position = positionsOf(source);
-    if (!isAsDeformed(source, deformation)) {
-        const Point3m *rest = RestShape(source).positions();
-        for (Eigen::Index i = 0; i < position.cols(); ++i)
-            position.col(i) << rest[i][0], rest[i][1], rest[i][2];
-    }
-    return position;
+SourceThen sourceThen(MeshModel &source, const Deformation &deformation, const Remark &remark) {
+    const bool isThere = hasShape(source, deformation);
+    if (!isThere && remark)
+        remark("Something else has moved " + inQuotes(source) +
+               " since it was deformed. The deformation is that of the shape and the place that it had then.");
+    SourceThen then{positionsOf(source), isThere ? invertibleMatrixOf(source) : deformation.matrix};
+    for (std::size_t i = 0; i < std::min(source.cm.vert.size(), deformation.rest.size()); ++i)
+        then.position.col(Eigen::Index(i)) = toVector(deformation.rest[i]);
+    return then;
 }
 
 DeformationLayers lastDeformation(const MeshDocument &document) {

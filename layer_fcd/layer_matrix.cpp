@@ -47,3 +47,17 @@ Eigen::Affine3d invertibleMatrixOf(const MeshModel &layer) {
 Eigen::Matrix4d motionTo(const MeshModel &other, const MeshModel &layer) {
     return (matrixOf(other) * invertibleMatrixOf(layer).inverse()).matrix();
 }
+
+Eigen::Matrix3Xd positionsIn(const Eigen::Affine3d &to, const MeshModel &layer) {
+    const Eigen::Affine3d from = matrixOf(layer);
+    const bool same = from.matrix() == to.matrix();
+    const Eigen::Affine3d change = to.inverse() * from;
+    Eigen::Matrix3Xd positions(3, layer.cm.vn);
+    Eigen::Index next = 0;
+    for (const CVertexO &vertex : layer.cm.vert)
+        if (!vertex.IsD()) {
+            const Eigen::Vector3d position = vcg::tri::PositionOf(vertex);
+            positions.col(next++) = same ? position : change * position;
+        }
+    return positions;
+}

@@ -18,4 +18,8 @@ Eigen::Matrix3d metricOf(const MeshModel &layer);
 /// The motion that takes the matrix of \p layer to that of \p other. \throw vcg::fcd::Error as invertibleMatrixOf
 Eigen::Matrix4d motionTo(const MeshModel &other, const MeshModel &layer);
 
+/// The positions of the live vertices of \p layer in the coordinates of one with the matrix \p to, 3 x k.
+/// \throw vcg::fcd::Error as matrixOf
+Eigen::Matrix3Xd positionsIn(const Eigen::Affine3d &to, const MeshModel &layer);
+
 #endif

@@ -36,13 +36,14 @@ struct Shape {
 
 /// The rest shape of a layer that is posed in place (rest_shape.h).
 struct RestState : Shape {
-    std::vector<PosedVertex> vertex; ///< per vertex slot
-    std::uint64_t faces = 0;         ///< facesOf the mesh
-    std::size_t vertexSlots = 0;     ///< of the mesh
-    bool ownNormals = false;         ///< as of hasOwnNormals
-    std::uint64_t normalsNow = 0;    ///< normalsOf the mesh after the last pose, if it has own normals
-    std::uint64_t normalsBefore = 0; ///< and before it, where a preview begins
-    std::vector<Shape> earlier;      ///< earlier rest shapes, oldest first: that of the file
+    std::vector<PosedVertex> vertex;          ///< per vertex slot
+    std::uint64_t faces = 0;                  ///< facesOf the mesh
+    std::size_t vertexSlots = 0;              ///< of the mesh
+    Matrix44m matrix = Matrix44m::Identity(); ///< of the layer when a filter last looked
+    bool ownNormals = false;                  ///< as of hasOwnNormals
+    std::uint64_t normalsNow = 0;             ///< normalsOf the mesh after the last pose, if it has own normals
+    std::uint64_t normalsBefore = 0;          ///< and before it, where a preview begins
+    std::vector<Shape> earlier;               ///< earlier rest shapes, oldest first: that of the file
 };
 
 /// A vertex that was live when its layer was tagged.
@@ -148,9 +149,10 @@ struct GraphState {
     std::uint64_t shape = 0; ///< shapeOf the graph when it was made, as a copy has, too
 };
 
-/// The vertices of a layer when a filter here measured its quality, by numbers for their quality and place
-/// (measured_quality.h).
+/// The vertices of a layer when a filter here measured its quality, or gave it tags as its quality, by numbers for
+/// their quality and place (measured_quality.h).
 struct MeasuredState {
+    bool areTags = false;              ///< the quality is tags, of the layer that this one is a result of
     std::vector<std::uint64_t> number; ///< per vertex slot; 0: a new vertex
     std::vector<std::uint64_t> gone;   ///< of vertices that were deleted since, as other filters move them to copies
 };

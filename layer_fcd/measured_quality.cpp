@@ -52,7 +52,20 @@ void inherit(const MeshDocument &document, MeshModel &layer, std::vector<std::ui
         return;
     std::sort(known.begin(), known.end());
     if (std::vector<std::uint64_t> number = inherited(layer, known); !number.empty())
-        LayerState::made(document, layer).measured = {std::move(number), {}};
+        LayerState::made(document, layer).measured = {false, std::move(number), {}};
+}
+
+/// Whether the vertices have the qualities of \p measured in their order, as in a copy of what was moved since.
+bool hasQualities(const CMeshO &mesh, const MeasuredState &measured) {
+    auto next = measured.number.begin();
+    const auto isNext = [&] {
+        next = std::find_if(next, measured.number.end(), [](std::uint64_t number) { return number != 0; });
+        return next != measured.number.end();
+    };
+    for (const CVertexO &vertex : mesh.vert)
+        if (!vertex.IsD() && (!isNext() || std::uint32_t(*next++) != qualityOf(vertex)))
+            return false;
+    return !isNext();
 }
 
 void append(std::vector<std::uint64_t> &all, const std::vector<std::uint64_t> &some) {
@@ -61,14 +74,15 @@ void append(std::vector<std::uint64_t> &all, const std::vector<std::uint64_t> &s
 
 } // namespace
 
-void keepMeasured(const MeshDocument &document, MeshModel &layer) {
-    LayerState::made(document, layer).measured = {numbersOf(layer.cm), {}};
+void keepMeasured(const MeshDocument &document, MeshModel &layer, bool areTags) {
+    LayerState::made(document, layer).measured = {areTags, numbersOf(layer.cm), {}};
 }
 
 bool isMeasured(const MeshModel &layer) {
     const std::optional<MeasuredState> &measured = LayerState::known(layer).measured;
     bool isAny = false;
-    for (std::size_t i = 0; measured && i < std::min(measured->number.size(), layer.cm.vert.size()); ++i)
+    for (std::size_t i = 0;
+         measured && !measured->areTags && i < std::min(measured->number.size(), layer.cm.vert.size()); ++i)
         if (const CVertexO &vertex = layer.cm.vert[i]; !vertex.IsD() && measured->number[i] != 0) {
             isAny = true;
             if (std::uint32_t(measured->number[i]) != qualityOf(vertex))
@@ -82,7 +96,9 @@ void inheritMeasured(const MeshDocument &document, MeshModel &layer) {
         return;
     std::vector<std::uint64_t> known; // as they were when measured, and as they are now
     for (const MeshModel *other : host::layers(document))
-        if (const std::optional<MeasuredState> &its = LayerState::known(*other).measured) {
+        if (const std::optional<MeasuredState> &its = LayerState::known(*other).measured; its && !its->areTags) {
+            if (hasQualities(layer.cm, *its))
+                return keepMeasured(document, layer);
             append(known, its->number);
             append(known, its->gone);
             if (isMeasured(*other))
@@ -93,7 +109,11 @@ void inheritMeasured(const MeshDocument &document, MeshModel &layer) {
 
 void handDownMeasured(const MeshDocument &document, const LayerState &state) {
     for (const MeshModel *layer : host::layers(document))
-        if (state.measured && mayInherit(*layer)) {
+        if (state.measured && !state.measured->areTags && mayInherit(*layer)) {
+            if (hasQualities(layer->cm, *state.measured)) {
+                keepMeasured(document, const_cast<MeshModel &>(*layer));
+                continue;
+            }
             std::vector<std::uint64_t> known = state.measured->number;
             append(known, state.measured->gone);
             inherit(document, const_cast<MeshModel &>(*layer), std::move(known));

@@ -8,15 +8,15 @@
 /// A quality that a filter here has measured (a distance, what is matched, patches) is no tags, even if its numbers are
 /// whole. Vertices that are left, and copies, are known by their quality and place.
 
-/// Remembers the quality of \p layer as measured.
-void keepMeasured(const MeshDocument &document, MeshModel &layer);
+/// Remembers the quality of \p layer as measured, or as the tags that the layer has as a result of a tagged one.
+void keepMeasured(const MeshDocument &document, MeshModel &layer, bool areTags = false);
 
 /// Whether a filter here has measured the quality of \p layer: vertices since then may be new, or gone, but no other
 /// one has another quality.
 bool isMeasured(const MeshModel &layer);
 
 /// Lets a copy know that its quality was measured: all its vertices are at places of other layers' vertices with that
-/// quality, or have 0.
+/// quality, or have 0. Or they have the qualities of another layer in their order, wherever they are.
 void inheritMeasured(const MeshDocument &document, MeshModel &layer);
 
 /// Call it before the layer of \p state is deleted: its copies know that their quality was measured.

@@ -143,8 +143,11 @@ MeshModel &NewLayers::addDeformed(const QString &what, const Eigen::Matrix3Xd &p
         packing.forEach(
             [&](std::size_t i, std::size_t j) { layer.cm.vert[j].Q() = CVertexO::QualityType(quality[i]); });
     }
-    if (!quality.empty() || isMeasured(base))
-        keepMeasured(document, layer);
+    const LayerState &its = LayerState::known(base);
+    const bool areTags = quality.empty() && ((its.scan && its.scan->quality && !its.scan->hadQuality) ||
+                                             (its.measured && its.measured->areTags));
+    if (!quality.empty() || areTags || isMeasured(base))
+        keepMeasured(document, layer, areTags);
     computeNormals(layer.cm);
     if (linear.empty())
         return layer;

@@ -27,13 +27,15 @@ void toWorld(const Eigen::Affine3d &matrix, Eigen::Matrix3Xd &rest, Eigen::Matri
 
 } // namespace
 
-SavedDeformation saveDeformation(const SaveDeformationParam &param, const vcg::fcd::Progress &progress) {
+SavedDeformation saveDeformation(const SaveDeformationParam &param, const Remark &remark,
+                                 const vcg::fcd::Progress &progress) {
     const vcg::fcd::Stopwatch watch;
     SavedDeformation saved;
     progress(0, "Reading the source");
-    const Deformation &deformation = deformationOf(param);
-    const Eigen::Affine3d matrix = invertibleMatrixOf(*param.source);
-    Eigen::Matrix3Xd rest = positionsBefore(*param.source, deformation), deformed = rest;
+    const Deformation &deformation = deformationOf(param, true);
+    const SourceThen then = sourceThen(*param.source, deformation, remark);
+    const Eigen::Affine3d &matrix = then.matrix;
+    Eigen::Matrix3Xd rest = then.position, deformed = rest;
     std::vector<Eigen::Matrix3f> linear;
     vcg::fcd::Carrier(*deformation.prepared->deformer, deformation.pose, progress.threads)
         .Apply(deformed, &linear, progress.Slice(0, 0.1));
@@ -42,10 +44,11 @@ SavedDeformation saveDeformation(const SaveDeformationParam &param, const vcg::f
         rest.swap(deformed);
         saved.folded = vcg::fcd::Invert(linear);
     }
+    const vcg::fcd::SurfaceArrays surface = vcg::tri::ReadSurface(param.source->cm);
     vcg::fcd::FieldParam sampling;
     sampling.accuracy = param.accuracy;
     saved.field =
-        vcg::fcd::SampleField(vcg::tri::ReadSurface(param.source->cm).View(), rest, deformed, linear, sampling,
+        vcg::fcd::SampleField(surface.View().With(then.position), rest, deformed, linear, sampling,
                               progress.Slice(0.1, 0.95), matrix.linear(), deformation.prepared->deformer->FreeIn());
     progress(1, "Done");
     const std::string text = vcg::fcd::DeformationText(saved.field.samples);

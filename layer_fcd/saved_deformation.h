@@ -18,6 +18,7 @@ struct SavedDeformation {
 /// Writes the deformation of a layer, or its inverse, to a file, in world coordinates.
 /// \throw vcg::fcd::Error the layers are not those of one deformation, the accuracy is below 0, or the file cannot be
 /// written; vcg::fcd::Cancelled; the file is then as it was
-SavedDeformation saveDeformation(const SaveDeformationParam &param, const vcg::fcd::Progress &progress);
+SavedDeformation saveDeformation(const SaveDeformationParam &param, const Remark &remark,
+                                 const vcg::fcd::Progress &progress);
 
 #endif

@@ -124,12 +124,17 @@ std::vector<int> tagsFromFile(const MeshModel &layer, const QString &path) {
 /// Says how many vertices are fixed by a quality of 0 that no filter for tags has given them: other filters make new
 /// vertices with it.
 void tellNewFixed(const MeshModel &layer, const std::vector<int> &tag, const Remark &remark) {
-    const std::optional<KeptScan> &scan = LayerState::known(layer).scan;
-    if (!remark || !scan || !scan->quality || hasMarks(layer))
+    const LayerState &state = LayerState::known(layer);
+    const bool isTagged = state.scan && state.scan->quality, isResult = state.measured && state.measured->areTags;
+    if (!remark || (!isTagged && !isResult) || hasMarks(layer))
         return;
-    if (const auto count = sumOfVertices(layer.cm, [&](std::size_t i) { return scan->number[i] == 0 && tag[i] == 0; }))
+    const auto isNew = [&](std::size_t i) {
+        return isTagged ? state.scan->number[i] == 0 : state.measured->number[i] == 0;
+    };
+    if (const auto count = sumOfVertices(layer.cm, [&](std::size_t i) { return isNew(i) && tag[i] == 0; }))
         remark(counted(count, "vertex is", "vertices are") + " new since " + inQuotes(layer) +
-               " was tagged, and fixed, since the quality there is 0. Where that is wrong, tag them: 1 is free.");
+               (isTagged ? " was tagged" : " was made") +
+               ", and fixed, since the quality there is 0. Where that is wrong, tag them: 1 is free.");
 }
 
 } // namespace

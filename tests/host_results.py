@@ -7,7 +7,7 @@ import pymeshlab
 import pytest
 
 from host_pose import CHANGES, duplicate, without
-from host_pymeshlab import DEFORM, RESET, clean_bone, set_quality
+from host_pymeshlab import COPY, DEFORM, RESET, clean_bone, same_points, set_quality
 from host_straighten import line_file
 
 FIT, SAVE = "generate_fcd_fitted_mesh", "save_fcd_deformation"
@@ -57,13 +57,21 @@ def compensated(folder):
     return ms
 
 
+def tagged_bone():
+    ms = bone()
+    for condition, role in (("x < 0.25", 0), ("x > 0.75", 2)):
+        ms.compute_selection_by_condition_per_vertex(condselect=condition)
+        ms.apply_filter("compute_fcd_tags_from_selection", role=role)
+    return ms
+
+
 def test_new_vertices_that_nobody_has_tagged_are_told(tmp_path, capfd):
-    """Subdivision by Loop's rule gives new vertices the quality 0, which is a tag. (pymeshlab logs nothing after an error, hence this comes first.)"""
-    for refine, is_told in (("loop", True), ("midpoint", False)):
-        ms = bone()
-        for condition, role in (("x < 0.25", 0), ("x > 0.75", 2)):
-            ms.compute_selection_by_condition_per_vertex(condselect=condition)
-            ms.apply_filter("compute_fcd_tags_from_selection", role=role)
+    """Subdivision by Loop's rule gives new vertices the quality 0, which is a tag: of a tagged layer, and of its result. (pymeshlab logs
+    nothing after an error, hence this comes first.)"""
+    for refine, times, is_told in (("loop", 0, True), ("midpoint", 0, False), ("loop", 1, True), ("loop", 2, True), ("midpoint", 1, False)):
+        ms = tagged_bone()
+        for _ in range(times):
+            ms.apply_filter(DEFORM, graph_layers=False, initial_patches=60, translation=np.array([0, 0, 0.01]))
         before = ms.current_mesh().vertex_number()
         ms.apply_filter(f"meshing_surface_subdivision_{refine}", iterations=1)
         new = ms.current_mesh().vertex_number() - before
@@ -73,7 +81,8 @@ def test_new_vertices_that_nobody_has_tagged_are_told(tmp_path, capfd):
         capfd.readouterr()
         ms.apply_filter(DEFORM, graph_layers=False, initial_patches=60, translation=np.array([0, 0, 0.1]))
         log = capfd.readouterr().err
-        assert (f"{new} vertices are new since 'bone.ply' was tagged, and fixed" in log) == is_told, log
+        since = f"'bone deformed{' 2' if times == 2 else ''}' was made" if times else "'bone.ply' was tagged"
+        assert (f"{new} vertices are new since {since}, and fixed" in log) == is_told, log
 
 
 def fixed_again(ms):
@@ -92,6 +101,11 @@ def table():
     return {row[0]: row[1:] for row in ([cell.strip() for cell in line.strip("|").split("|")] for line in rows)}
 
 
+def is_moved(ms, change):
+    rest = bone().current_mesh().vertex_matrix()
+    return "merged" != change and not same_points(ms.mesh(0).vertex_matrix(), rest)
+
+
 @pytest.mark.parametrize("change", CHANGES)
 def test_what_becomes_of_a_result(tmp_path, change):
     assert list(table()) == list(CHANGES)
@@ -102,7 +116,7 @@ def test_what_becomes_of_a_result(tmp_path, change):
     CHANGES[change](ms)
     try:
         ms.apply_filter(SAVE, deformation_file=str(tmp_path / "d.ply"))
-        found.append("is saved")
+        found.append("is saved, as it was" if is_moved(ms, change) else "is saved")
     except pymeshlab.PyMeshLabException as error:
         assert "was changed since" in str(error)
         found.append("refuses")
@@ -127,8 +141,21 @@ def moved_and_copied(ms):
     duplicate(ms)
 
 
+def moved_and_copied_alone(ms):
+    CHANGES["some moved"](ms)
+    copy_alone(ms)
+
+
+def moved_copied_and_moved(ms):
+    moved_and_copied(ms)
+    copy = ms.current_mesh_id()
+    ms.set_current_mesh(copy - 1)
+    CHANGES["all moved alike"](ms)
+    ms.set_current_mesh(copy)
+
+
 @pytest.mark.parametrize("result", [fitted, symmetrized])
-@pytest.mark.parametrize("change", [split, copy_alone, moved_and_copied])
+@pytest.mark.parametrize("change", [split, copy_alone, moved_and_copied, moved_and_copied_alone, moved_copied_and_moved])
 def test_parts_and_copies_of_a_result_know_that_it_was_measured(tmp_path, change, result):
     ms = result(tmp_path)
     change(ms)
@@ -149,3 +176,34 @@ def test_a_result_has_no_pose_and_its_own_deformation(tmp_path, result):
         CHANGES["some moved"](ms)
         ms.apply_filter(SAVE, deformation_file=str(tmp_path / "after.ply"))
         assert (tmp_path / "before.ply").read_bytes() == (tmp_path / "after.ply").read_bytes()
+
+
+@pytest.mark.parametrize("change", ["some moved", "all moved alike", "frozen matrix"])
+def test_a_deformation_is_saved_as_it_was_whatever_has_moved_its_source(tmp_path, capfd, change):
+    """To the bit, in the place where the source lay then."""
+    files = []
+    for moved in False, True:
+        ms = tagged_bone()
+        ms.apply_filter("compute_matrix_from_translation_rotation_scale", translationx=2.0, rotationz=30.0, freeze=False)
+        ms.apply_filter(DEFORM, initial_patches=60, translation=np.array([0, 0, 0.1]))
+        graph = dict(source_layer=0, rest_graph=1, deformed_graph=2)
+        ms.set_current_mesh(0)
+        if moved:
+            CHANGES[change](ms)
+        ms.set_verbosity(True)
+        capfd.readouterr()
+        files.append(tmp_path / f"{moved}.ply")
+        ms.apply_filter(SAVE, deformation_file=str(files[-1]), **graph)
+        assert ("has moved 'bone.ply' since it was deformed" in capfd.readouterr().err) == moved
+    with pytest.raises(pymeshlab.PyMeshLabException, match="It was only moved: 'FCD: Save Deformation'"):
+        ms.apply_filter(COPY, **graph)
+    assert files[0].read_bytes() == files[1].read_bytes()
+
+
+def test_the_deformation_of_another_layer_is_not_taken(tmp_path):
+    """Of one with the same faces, say."""
+    ms = tagged_bone()
+    ms.apply_filter(DEFORM, initial_patches=60, translation=np.array([0, 0, 0.1]))
+    duplicate(ms)
+    with pytest.raises(pymeshlab.PyMeshLabException, match="was changed since"):
+        ms.apply_filter(SAVE, source_layer=ms.current_mesh_id(), rest_graph=1, deformed_graph=2, deformation_file=str(tmp_path / "d.ply"))
