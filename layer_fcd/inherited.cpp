@@ -13,13 +13,18 @@
 namespace {
 
 /// For each vertex slot of \p mesh, the slot in \p rest of its original; empty unless all are copies.
-std::vector<std::size_t> copiedSlots(const CMeshO &mesh, const RestState &rest) {
+/// \param matrix that copies were moved by; null: none
+std::vector<std::size_t> copiedSlots(const CMeshO &mesh, const RestState &rest, const Matrix44m *matrix) {
+    const auto isAt = [matrix](const PosedVertex &vertex, const Point3m &p) {
+        return matrix ? *matrix * toPoint(vertex.place()) == p : vertex.isAt(p);
+    };
     std::vector<std::size_t> from;
     std::size_t next = 0;
     for (std::size_t i = 0; i < mesh.vert.size(); ++i) {
         if (mesh.vert[i].IsD())
             continue;
-        while (next < rest.vertex.size() && !(rest.vertex[next].isKnown() && rest.vertex[next].isAt(mesh.vert[i].cP())))
+        while (next < rest.vertex.size() &&
+               !(rest.vertex[next].isKnown() && isAt(rest.vertex[next], mesh.vert[i].cP())))
             ++next;
         if (next == rest.vertex.size())
             return {};
@@ -29,14 +34,19 @@ std::vector<std::size_t> copiedSlots(const CMeshO &mesh, const RestState &rest) 
     return from;
 }
 
-/// The part of \p shape for copies. \param from slot of each copy's original
-Shape copyOf(const Shape &shape, const std::vector<std::size_t> &from) {
+/// The part of \p shape for copies. \param from slot of each copy's original \param matrix as of copiedSlots
+Shape copyOf(const Shape &shape, const std::vector<std::size_t> &from, const Matrix44m *matrix) {
     Shape copy;
+    Eigen::Matrix4d move = Eigen::Matrix4d::Identity();
+    if (matrix)
+        matrix->ToEigenMatrix(move);
+    const Eigen::Matrix3d turn = move.topLeftCorner<3, 3>().inverse().transpose();
     copy.position.reserve(from.size());
     copy.normal.reserve(from.size());
     for (const std::size_t slot : from) {
-        copy.position.push_back(shape.position[slot]);
-        copy.normal.push_back(shape.normal[slot]);
+        copy.position.push_back(matrix ? *matrix * shape.position[slot] : shape.position[slot]);
+        copy.normal.push_back(matrix ? toPoint((turn * toVector(shape.normal[slot])).stableNormalized())
+                                     : shape.normal[slot]);
     }
     return copy;
 }
@@ -49,13 +59,16 @@ std::optional<RestState> inheritedRest(const MeshModel &layer, const std::vector
         const RestState *their = other->rest ? &*other->rest : nullptr;
         if (!their)
             continue;
-        const std::vector<std::size_t> from = copiedSlots(mesh, *their);
+        const Matrix44m *matrix = nullptr;
+        std::vector<std::size_t> from = copiedSlots(mesh, *their, matrix);
+        if (from.empty() && !(their->matrix == Matrix44m::Identity()))
+            from = copiedSlots(mesh, *their, matrix = &their->matrix);
         if (from.empty())
             continue;
         RestState rest;
-        static_cast<Shape &>(rest) = copyOf(*their, from);
+        static_cast<Shape &>(rest) = copyOf(*their, from, matrix);
         for (const Shape &earlier : their->earlier)
-            rest.earlier.push_back(copyOf(earlier, from));
+            rest.earlier.push_back(copyOf(earlier, from, matrix));
         rest.vertex.resize(from.size());
         bool isOther = !rest.earlier.empty();
         forVertices(mesh, [&](std::size_t i) {

@@ -13,8 +13,8 @@
 /// layers.
 
 /// The rest shapes of \p layer, if its vertices are copies of another layer's, in their order there, and where the last
-/// pose left them. None otherwise, or if no shape differs from the present one.
-/// \param others the states of other layers
+/// pose left them, in the coordinates of that layer or, since hosts merge layers there, in the world. None otherwise,
+/// or if no shape differs from the present one. \param others the states of other layers
 std::optional<RestState> inheritedRest(const MeshModel &layer, const std::vector<const LayerState *> &others);
 
 /// What is kept aside for those vertices of \p layer that have positions, and colours or quality of the tags, of other

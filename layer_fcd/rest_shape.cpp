@@ -118,7 +118,7 @@ void RestShape::drop(const MeshModel &layer) {
         state->rest.reset();
 }
 
-RestShape::RestShape(MeshModel &layer) : layer(layer), mesh(layer.cm), state(*restOf(layer)) {}
+RestShape::RestShape(MeshModel &layer) : layer(layer), mesh(layer.cm), state(*restOf(layer)) { state.matrix = mesh.Tr; }
 
 std::uint64_t RestShape::placeOf(const Point3m &position) {
     return std::max(XXH3_64bits(&position[0], 3 * sizeof(Scalarm)), XXH64_hash_t(1));

@@ -700,6 +700,23 @@ def test_a_copy_of_a_posed_layer_goes_back_as_that_does(then):
     assert same_points(rest, fresh.current_mesh().vertex_matrix())
 
 
+@pytest.mark.parametrize("deleted", [False, True])
+def test_a_layer_with_a_matrix_is_merged_with_its_rest_shapes(deleted):
+    """Hosts merge layers in the world."""
+    def placed():
+        ms = clean_bone()
+        ms.apply_filter("compute_matrix_from_translation_rotation_scale", translationx=1.0, rotationz=30.0, scalex=2.0, scaley=2.0, scalez=2.0, freeze=False)
+        return ms
+    ms, fresh = placed(), placed()
+    ms.apply_filter(POSE, initial_patches=60, **LIFT)
+    for each in ms, fresh:
+        each.apply_filter("generate_by_merging_visible_meshes", deletelayer=deleted)
+    ms.apply_filter(RESET)
+    found, expected = ms.current_mesh(), fresh.current_mesh()
+    assert same_points(found.vertex_matrix(), expected.vertex_matrix())
+    assert np.abs(unit(found.vertex_normal_matrix()) - unit(expected.vertex_normal_matrix())).max() < 1e-9
+
+
 @pytest.mark.parametrize("change", CHANGES)
 def test_what_becomes_of_a_layer_that_was_changed(change):
     assert list(table()) == list(CHANGES)
