@@ -144,13 +144,9 @@ def compensate(
 
     Raises
     ------
-    TypeError
-        An argument has the wrong type.
     ValueError
         An argument has the wrong shape, or is out of range, the nominal part has no faces, the scan has few points or lies on one line, or
         nothing of the part has a counterpart there.
-    KeyboardInterrupt
-        Ctrl-C, at once; nothing is half done.
 
     Warns
     -----

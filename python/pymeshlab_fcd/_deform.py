@@ -115,12 +115,8 @@ def deform(
 
     Raises
     ------
-    TypeError
-        An argument has the wrong type.
     ValueError
         An argument has the wrong shape, or is out of range, nothing is free, there is no handle, or a coordinate is not finite.
-    KeyboardInterrupt
-        Ctrl-C, at once; nothing is half done.
 
     Warns
     -----

@@ -114,8 +114,6 @@ class Deformation:
 
         Raises
         ------
-        TypeError
-            An argument has the wrong type.
         ValueError
             An argument has the wrong shape.
         """
@@ -143,8 +141,6 @@ class Deformation:
 
         Raises
         ------
-        TypeError
-            An argument has the wrong type.
         ValueError
             An argument has the wrong shape.
         """
@@ -175,8 +171,6 @@ class Deformation:
 
         Raises
         ------
-        TypeError
-            An argument has the wrong type.
         ValueError
             An argument has the wrong shape, or is out of range, or the grid has more than 500 million points.
         """

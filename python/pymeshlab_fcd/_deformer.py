@@ -214,14 +214,10 @@ class Deformer(Unchanging):
 
     Raises
     ------
-    TypeError
-        An argument has the wrong type.
     ValueError
         An argument has the wrong shape, or is out of range, nothing is free, there is no handle, or a coordinate is not finite.
     MemoryError
         There is not enough of it.
-    KeyboardInterrupt
-        Ctrl-C, at once; nothing is half done.
 
     Warns
     -----
@@ -517,8 +513,6 @@ class Deformer(Unchanging):
 
         Raises
         ------
-        TypeError
-            An argument has the wrong type.
         ValueError
             An argument has the wrong shape, or is out of range, or a handle that moves does not exist.
         KeyboardInterrupt
@@ -564,12 +558,8 @@ class Deformer(Unchanging):
 
         Raises
         ------
-        TypeError
-            An argument has the wrong type.
         ValueError
             An argument has the wrong shape, or is out of range, or a handle that moves does not exist.
-        KeyboardInterrupt
-            Ctrl-C, at once.
         """
         told, tries = report(progress), 0
         wanted = _inputs.number("percent", percent)

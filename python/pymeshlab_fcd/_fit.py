@@ -196,12 +196,8 @@ class Fitter(Unchanging):
 
     Raises
     ------
-    TypeError
-        An argument has the wrong type.
     ValueError
         An argument has the wrong shape, or is out of range, nothing is free, a handle that moves does not exist, or a coordinate is not finite.
-    KeyboardInterrupt
-        Ctrl-C, at once; nothing is half done.
     """
 
     def __init__(
@@ -304,16 +300,12 @@ class Fitter(Unchanging):
 
         Raises
         ------
-        TypeError
-            An argument has the wrong type.
         ValueError
             An argument has the wrong shape, or is out of range, the target is empty, a point, a line, 1e15 times larger or 1e8
             times smaller than the surface, nothing of the surface has a counterpart there, landmarks or curves are not free vertices of the
             surface, landmarks at one place, or the start does not go with them or with the tags.
         RuntimeError
             The fit has no solution in double precision, as of a surface that is as thin as a line.
-        KeyboardInterrupt
-            Ctrl-C, at once; nothing is half done.
 
         Warns
         -----

@@ -99,8 +99,6 @@ def deform_layer(ms: Any, tags: ArrayLike | None, transforms: Transforms | None 
     ------
     RuntimeError
         As of [enable_pymeshlab][pymeshlab_fcd.enable_pymeshlab].
-    TypeError
-        An argument has the wrong type.
     ValueError
         An argument has the wrong shape, or is out of range.
     pymeshlab.PyMeshLabException

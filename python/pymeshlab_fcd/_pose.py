@@ -287,8 +287,6 @@ class Pose(Unchanging):
 
         Raises
         ------
-        TypeError
-            An argument has the wrong type.
         ValueError
             An argument has the wrong shape.
         """
@@ -330,8 +328,6 @@ class Pose(Unchanging):
         ------
         ValueError
             The accuracy is below 0, or not finite.
-        KeyboardInterrupt
-            Ctrl-C, at once.
 
         Warns
         -----

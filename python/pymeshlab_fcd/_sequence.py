@@ -80,8 +80,6 @@ class PoseSequence:
 
     Raises
     ------
-    TypeError
-        An argument has the wrong type.
     ValueError
         There is no pose, a name is empty, times do not ascend, or a key frame names a pose that does not exist.
     """

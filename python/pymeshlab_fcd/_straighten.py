@@ -152,13 +152,9 @@ def straighten(
 
     Raises
     ------
-    TypeError
-        An argument has the wrong type.
     ValueError
         An argument has the wrong shape, or is out of range; the line has one point, no extent, two points in a row at one place, is closed, turns back
         on itself or is elsewhere than the surface; cross-sections are too round to tell a twist.
-    KeyboardInterrupt
-        Ctrl-C, at once; nothing is half done.
 
     Warns
     -----

@@ -210,15 +210,11 @@ def symmetrize(
 
     Raises
     ------
-    TypeError
-        An argument has the wrong type.
     ValueError
         An argument has the wrong shape, or is out of range, a vertex is named twice as a landmark, the plane has no direction, or nothing has a
         counterpart.
     RuntimeError
         The fit has no solution in double precision, as of a surface that is as thin as a line.
-    KeyboardInterrupt
-        Ctrl-C, at once; nothing is half done.
 
     Warns
     -----
