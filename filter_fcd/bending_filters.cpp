@@ -3,11 +3,10 @@
 #include "filter_parameters.h"
 #include "filter_reports.h"
 
-#include <layer_fcd/deformed_copies.h>
+#include <layer_fcd/deformation_uses.h>
 #include <layer_fcd/graph_layer.h>
 #include <layer_fcd/layer_deformer.h>
 #include <layer_fcd/layer_labels.h>
-#include <layer_fcd/saved_deformation.h>
 
 #include <sstream>
 

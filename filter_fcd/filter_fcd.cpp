@@ -6,10 +6,13 @@
 #include <layer_fcd/kept_aside.h>
 #include <layer_fcd/layer_fitter.h>
 #include <layer_fcd/layer_labels.h>
+#include <layer_fcd/layer_state.h>
 #include <layer_fcd/layer_straightener.h>
 #include <layer_fcd/layer_symmetrizer.h>
 #include <layer_fcd/results.h>
 #include <layer_fcd/tagging.h>
+
+#include <memory>
 
 #include <QGuiApplication>
 
@@ -72,7 +75,11 @@ QString FilterFcd::shown() const {
 
 HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList &parameters, MeshDocument &document,
                                                 vcg::CallBackPos *callback) {
-    const TidyLater tidy(document);
+    // So that a filter that fails leaves no state behind.
+    const std::shared_ptr<void> tidyLater(nullptr, [&document, id = document.mm() ? document.mm()->id() : -1](void *) {
+        if (MeshModel *layer = document.getMesh(id))
+            LayerState::tidy(*layer);
+    });
     if (host::inWindow() && document.mm())
         lastValues.keep(id, parameters, document, meant(id, *document.mm(), document));
     const Progress progress(callback);

@@ -13,7 +13,7 @@
 #include <layer_fcd/layer_straightener.h>
 #include <layer_fcd/layer_symmetrizer.h>
 #include <layer_fcd/parameters.h>
-#include <layer_fcd/saved_deformation.h>
+#include <layer_fcd/deformation_uses.h>
 
 #include <string>
 #include <vector>

@@ -151,45 +151,49 @@ BroughtBack bringBack(const MeshDocument &document, MeshModel &layer) {
     return {others, placed};
 }
 
+namespace {
+
+/// The colours of \p layer by slot, those before tagging where they are known; empty: there were none.
+/// \param kept null: its colours are its own \param hadColor whether it had colours before tagging
+std::vector<vcg::Color4b> ownColors(const MeshModel &layer, const KeptVertices *kept, bool hadColor) {
+    const CMeshO &mesh = layer.cm;
+    if (!layer.hasDataMask(MeshModel::MM_VERTCOLOR))
+        return {};
+    std::vector<vcg::Color4b> colors(mesh.vert.size());
+    std::atomic<bool> isAny{!kept || hadColor};
+    forVertices(mesh, [&](std::size_t i) {
+        const auto color = kept ? kept->color(i) : std::nullopt;
+        colors[i] = color ? *color : mesh.vert[i].cC();
+        if (!color) // colours that were changed after tagging are meant to be seen
+            isAny = true;
+    });
+    return isAny ? colors : std::vector<vcg::Color4b>();
+}
+
+} // namespace
+
 void bringBackTo(const MeshDocument &document, MeshModel &copy, const MeshModel &layer) {
-    const CMeshO &from = layer.cm;
     std::optional<KeptScan> found;
     const KeptScan *scan = keptOf(document, layer, found);
     if (!scan)
         return;
     const KeptVertices kept(layer, *scan);
-    std::atomic<bool> otherColors{false};
-    Packing(from.vert, from.vn).forEach([&](std::size_t i, std::size_t j) {
-        CVertexO &to = copy.cm.vert[j];
-        // Colours that were changed after tagging are meant to be seen.
-        if (const auto color = scan->color ? kept.color(i) : std::nullopt)
-            to.C() = *color;
-        else
-            otherColors = true;
+    const std::vector<vcg::Color4b> colors = ownColors(layer, scan->color ? &kept : nullptr, scan->hadColor);
+    Packing(layer.cm.vert, layer.cm.vn).forEach([&](std::size_t i, std::size_t j) {
+        if (!colors.empty())
+            copy.cm.vert[j].C() = colors[i];
         if (const auto quality = scan->quality && scan->hadQuality ? kept.quality(i) : std::nullopt)
-            to.Q() = *quality;
+            copy.cm.vert[j].Q() = *quality;
     });
-    if (scan->color && !scan->hadColor && !otherColors)
+    if (colors.empty())
         copy.clearDataMask(MeshModel::MM_VERTCOLOR);
 }
 
 std::vector<vcg::Color4b> ownColors(const MeshDocument &document, const MeshModel &layer) {
-    const CMeshO &mesh = layer.cm;
-    if (!layer.hasDataMask(MeshModel::MM_VERTCOLOR))
-        return {};
-    std::vector<vcg::Color4b> colors(mesh.vert.size());
-    forVertices(mesh, [&](std::size_t i) { colors[i] = mesh.vert[i].cC(); });
     std::optional<KeptScan> found;
     const KeptScan *scan = keptOf(document, layer, found);
     if (!scan || !scan->color)
-        return colors;
+        return ownColors(layer, nullptr, true);
     const KeptVertices kept(layer, *scan);
-    std::atomic<bool> otherColors{false};
-    forVertices(mesh, [&](std::size_t i) {
-        if (const auto color = kept.color(i))
-            colors[i] = *color;
-        else
-            otherColors = true;
-    });
-    return scan->hadColor || otherColors ? colors : std::vector<vcg::Color4b>();
+    return ownColors(layer, &kept, scan->hadColor);
 }

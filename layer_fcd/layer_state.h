@@ -198,20 +198,4 @@ struct LayerState {
     bool isCleared = false; ///< the mesh has no vertices now; values per slot are those of its former vertices
 };
 
-/// Calls LayerState::tidy for the current layer at its end, so that a filter that fails leaves no state behind.
-class TidyLater {
-  public:
-    explicit TidyLater(MeshDocument &document) : document(document), layer(document.mm() ? document.mm()->id() : -1) {}
-    TidyLater(const TidyLater &) = delete;
-    TidyLater &operator=(const TidyLater &) = delete;
-    ~TidyLater() {
-        if (MeshModel *its = document.getMesh(layer))
-            LayerState::tidy(*its);
-    }
-
-  private:
-    MeshDocument &document;
-    const int layer;
-};
-
 #endif

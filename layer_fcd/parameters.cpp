@@ -102,15 +102,14 @@ vcg::fcd::DeformationParam asHandedOver(vcg::fcd::DeformationParam param) {
 ParameterText falloffText() {
     return {
         "Falloff",
-        {"Smooth", "Linear", "Sharp", "Constant"},
         "How the motion of a handle fades towards what else is held. <i>Smooth</i>: evenly. <i>Linear</i>: straight, "
         "with the bends near both ends. <i>Sharp</i>: to a peak at the handle. <i>Constant</i>: what is around the "
-        "handle goes along, and the bend is far from it."};
+        "handle goes along, and the bend is far from it.",
+        {"Smooth", "Linear", "Sharp", "Constant"}};
 }
 
 ParameterText elasticText() {
     return {"Elastic (keep volume)",
-            {},
             "What bends keeps its volume: a limb that is squeezed gets thicker, one that is pulled gets thinner, and a "
             "bend loses none. Each connected part keeps its own volume. A cloud and an open sheet have none."};
 }
@@ -118,7 +117,6 @@ ParameterText elasticText() {
 ParameterText rigidityText() {
     return {
         "Rigidity (1 rigid, 0 smooth)",
-        {},
         "How strongly the surface resists stretching. <b>1</b> (the default): as rigid as possible, for what bends, "
         "as bodies do. <b>0</b>: as smooth as possible, like a thin-plate spline, for what is sheared, scaled or "
         "grown all over, such as one skull fitted to another. Large turns need rigidity."};
@@ -126,47 +124,39 @@ ParameterText rigidityText() {
 
 ParameterText weightsText() {
     return {"Distances",
-            {"Along the surface", "Euclidean"},
             "How a vertex finds the nodes that move it. <i>Along the surface</i>: close parts that are not connected "
             "(fingers, lips, folds) do not drag each other along. <i>Euclidean</i>: by straight distance, as in the "
-            "paper."};
+            "paper.",
+            {"Along the surface", "Euclidean"}};
 }
 
 StraightenTexts straightenTexts() {
     StraightenTexts texts;
     texts.middle = {"Through the middle",
-                    {},
                     "Moves the line into the middles of the surface's cross-sections. So you may pick its points on "
                     "the surface. If moving it would stretch the surface more, the line stays; the log says so."};
     texts.shape = {"New shape",
-                   {"A straight line", "An arc", "The line of a layer"},
                    "What the line becomes. The middle of a straight line or an arc is at the middle of the line. The "
-                   "frames along the line turn as little as possible."};
+                   "frames along the line turn as little as possible.",
+                   {"A straight line", "An arc", "The line of a layer"}};
     texts.angle = {"Angle of the arc (degrees)",
-                   {},
                    "How far the arc bends from end to end, less than 360. Negative: to the other side."};
     texts.direction = {"Direction",
-                       {},
                        "Direction of the straight line, or of the middle of the arc. <b>0 0 0</b> (the default): from "
                        "end to end of the line."};
     texts.towards = {"Bends towards",
-                     {},
                      "The direction to which the ends of the arc bend. <b>0 0 0</b> (the default): where the ends of "
                      "the line bend to."};
     texts.target = {"Target line",
-                    {},
                     "A layer with edges that form one open path. The line is laid along it from its beginning, and "
                     "goes on straight if it is longer. Only read for 'The line of a layer'."};
     texts.reverse = {"Reverse the target line",
-                     {},
                      "Lays the line along the target line from its other end. A line of a layer begins at the end "
                      "whose vertex has the smaller number."};
     texts.length = {"Length",
-                    {},
                     "The new length of the line, in world units. The surface is stretched along it and keeps its "
                     "cross-sections. <b>0</b> (the default): as long as it is."};
     texts.untwist = {"Remove twist",
-                     {},
                      "Turns cross-sections about the line so that their longest axes lie alike, as in the middle. They "
                      "must not be round."};
     return texts;

@@ -254,9 +254,8 @@ vcg::fcd::DeformationParam asHandedOver(vcg::fcd::DeformationParam param);
 
 /// The texts of a parameter, in dialogs and panels.
 struct ParameterText {
-    QString label;
-    QStringList values; ///< of a choice; else none
-    QString help;
+    QString label, help;
+    QStringList values{}; ///< of a choice; else none
 };
 
 /// Of "weights"; its values have the order of vcg::fcd::MappingWeights.

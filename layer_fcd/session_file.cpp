@@ -7,8 +7,7 @@
 #include "rest_shape.h"
 #include "save_files.h"
 #include "session_file.h"
-#include "session_shapes.h"
-#include "session_tools.h"
+#include "session_parts.h"
 #include "weight_sources.h"
 
 #include <vcg_ext/handles/handle_file.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "session_shapes.h" // which includes others before Qt
+#include "session_parts.h" // which includes others before Qt
 
 #include "layer_contents.h"
 #include "rest_shape.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bend_text.h"
-#include "session_tools.h" // which includes others before Qt
+#include "session_parts.h" // which includes others before Qt
 
 #include "kept_tool.h"
 #include "layer_contents.h"

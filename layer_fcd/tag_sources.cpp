@@ -29,31 +29,24 @@ template <class NumberOf>
 std::vector<int> tagsFrom(const MeshModel &layer, const std::string &what, const NumberOf &of) {
     const CMeshO &mesh = layer.cm;
     std::vector<int> tag(mesh.vert.size(), 1);
-    const auto wholeOf = [](double number, double &whole) {
-        whole = std::round(number);
+    std::atomic<std::size_t> wrong{tag.size()}; // the first one
+    forVertices(mesh, [&](std::size_t i) {
+        const double number = of(i), whole = std::round(number);
         // The tolerance is for files that store numbers as text.
-        return std::abs(number - whole) <= 1e-6 && whole >= std::numeric_limits<int>::lowest() &&
-               whole <= std::numeric_limits<int>::max();
-    };
-    std::atomic<bool> isGood{true};
-    vcg::fcd::ParallelFor(0, tag.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
-        double whole = 0;
-        for (std::size_t i = first; i < last; ++i)
-            if (!mesh.vert[i].IsD()) {
-                if (!wholeOf(of(i), whole))
-                    isGood = false;
-                else
-                    tag[i] = int(whole);
+        if (std::abs(number - whole) <= 1e-6 && whole >= std::numeric_limits<int>::lowest() &&
+            whole <= std::numeric_limits<int>::max())
+            tag[i] = int(whole);
+        else
+            for (std::size_t first = wrong; i < first && !wrong.compare_exchange_weak(first, i);) {
             }
     });
-    for (std::size_t i = 0; i < tag.size() && !isGood; ++i)
-        if (double whole = 0; !mesh.vert[i].IsD() && !wholeOf(of(i), whole)) {
-            std::ostringstream message;
-            message << "The " << what << " of vertex " << i << " is " << of(i)
-                    << ", but tags are whole numbers: " << tagMeaning
-                    << ". Round them, or take the tags from another source.";
-            throw Error(message.str());
-        }
+    if (const std::size_t i = wrong; i < tag.size()) {
+        std::ostringstream message;
+        message << "The " << what << " of vertex " << i << " is " << of(i)
+                << ", but tags are whole numbers: " << tagMeaning
+                << ". Round them, or take the tags from another source.";
+        throw Error(message.str());
+    }
     return tag;
 }
 

@@ -36,14 +36,14 @@ PLUGIN_FLOORS = {
         "meshlab_host edit_host filter_host parameters affine_map angle_normals bend_state bend_text contrasting_colors interrupt layer_labels layer_matrix mesh_copy"
         " layer_normals picked_points save_files weight_sources",
         "layer_state prepared_layers kept_deformation kept_graph kept_scan inherited kept_tool marks measured_quality session_format layer_contents rest_shape kept_aside"
-        " results session_tools session_shapes session_file",  # the state of a layer, which the document keeps
+        " results session_parts session_tools session_shapes session_file",  # the state of a layer, which the document keeps
         "line_sources line_surface motion_sources point_sources tag_sources",
-        "new_layers pose_in_place saved_deformation tagging deformed_copies graph_layer layer_fitter layer_straightener layer_symmetrizer layer_compensator"
+        "new_layers pose_in_place tagging deformation_uses graph_layer layer_fitter layer_straightener layer_symmetrizer layer_compensator"
         " layer_deformer layer_sequence carrying_surface layer_look",
     ],
     "filter_fcd": [
         "fields filter_reports filter_parameters common_parameters",
-        "bending_parameters compensate_parameters fit_parameters fitting_parameters handle_parameters sequence_parameters straighten_parameters symmetrize_parameters"
+        "bending_parameters fit_parameters fitting_parameters handle_parameters sequence_parameters straighten_parameters"
         " tag_parameters fit_reports dialogs",
         "filter_fcd bending_filters filter_texts session_filters",
     ],
