@@ -149,11 +149,24 @@ HostFilterPlugin::ReturnedValues FilterFcd::save(const RichParameterList &parame
 }
 
 void FilterFcd::warnOf(const vcg::fcd::PoseWay &way, bool converged, double discretisationError) const {
-    warn(describe(way));
+    if (way.jumps)
+        logLine("The shape jumps to another one on its way: it is twisted or pressed by more than it carries. Move the "
+                "handles less" +
+                    std::string(host::scriptsMayLackParameters ? "." : ", or raise pose_steps."),
+                GLLogStream::WARNING);
+    if (way.unstable)
+        logLine("The shape would buckle: it is pressed or twisted by more than it carries. To let it bow, mark a "
+                "handle in its middle and pull that to the side that you want.",
+                GLLogStream::WARNING);
     if (!converged)
         logLine("The deformation did not converge: raise max_iterations, or tolerance, or move the handles less at "
                 "a time.",
                 GLLogStream::WARNING);
-    if (const std::string remark = describeDiscretisation(discretisationError); !remark.empty())
-        logLine(remark, GLLogStream::WARNING);
+    if (discretisationError > vcg::fcd::coarseError) {
+        std::ostringstream line;
+        line.precision(2);
+        line << "With so few patches, the shape is off by about " << 100 * discretisationError
+             << " percent of the diagonal of what bends (rms). Raise initial_patches.";
+        logLine(line.str(), GLLogStream::WARNING);
+    }
 }

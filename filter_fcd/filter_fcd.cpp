@@ -156,10 +156,16 @@ HostFilterPlugin::ReturnedValues FilterFcd::report(const vcg::fcd::TagCount &tag
 
 HostFilterPlugin::ReturnedValues FilterFcd::clearTags(const MeshDocument &document, MeshModel &layer) const {
     const BroughtBack made = bringBack(document, layer);
+    const std::string were =
+        " of the " + std::to_string(layer.cm.vn) + " vertices of " + inQuotes(layer) + " were made";
     if (made.placed > 0)
-        logLine(describePlaced(layer, made));
+        logLine(std::to_string(made.placed) + were +
+                " by something else since they were tagged: they have what was at their place.");
     if (made.others > 0)
-        logLine(describeOthers(layer, made), GLLogStream::WARNING);
+        logLine(std::to_string(made.others) + were +
+                    ", coloured or given another quality by something else since they were tagged: they keep what "
+                    "they have.",
+                GLLogStream::WARNING);
     return {{"other_vertices", made.others}, {"new_vertices", made.placed}};
 }
 

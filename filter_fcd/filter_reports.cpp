@@ -70,34 +70,7 @@ std::string describeFlipped(vcg::fcd::Index count) {
            "between them.";
 }
 
-std::string ofAll(const MeshModel &layer, int count) {
-    return std::to_string(count) + " of the " + std::to_string(layer.cm.vn) + " vertices of " + inQuotes(layer) +
-           " were ";
-}
-
 } // namespace
-
-std::string describePlaced(const MeshModel &layer, const BroughtBack &made) {
-    return ofAll(layer, made.placed) +
-           "made by something else since they were tagged: they have what was at their place.";
-}
-
-std::string describeOthers(const MeshModel &layer, const BroughtBack &made) {
-    return ofAll(layer, made.others) + "made, coloured or given another quality by something else since they were "
-                                       "tagged: they keep what they have.";
-}
-
-std::vector<std::string> describe(const vcg::fcd::PoseWay &way) {
-    std::vector<std::string> remarks;
-    if (way.jumps)
-        remarks.push_back("The shape jumps to another one on its way: it is twisted or pressed by more than it "
-                          "carries. Move the handles less" +
-                          std::string(host::scriptsMayLackParameters ? "." : ", or raise pose_steps."));
-    if (way.unstable)
-        remarks.emplace_back("The shape would buckle: it is pressed or twisted by more than it carries. To let it bow, "
-                             "mark a handle in its middle and pull that to the side that you want.");
-    return remarks;
-}
 
 HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::PoseWay &way) {
     return {{"steps", way.steps}, {"jumps", way.jumps}, {"stable", !way.unstable}};
@@ -127,16 +100,6 @@ std::vector<std::string> describe(const DeformedLayers &made, const DeformMeshPa
         remarks.push_back(line.str());
     }
     return remarks;
-}
-
-std::string describeDiscretisation(double error) {
-    if (!(error > vcg::fcd::coarseError))
-        return {};
-    std::ostringstream line;
-    line.precision(2);
-    line << "With so few patches, the shape is off by about " << 100 * error
-         << " percent of the diagonal of what bends (rms). Raise initial_patches.";
-    return line.str();
 }
 
 double valueOfDiscretisation(double error) { return std::isfinite(error) ? error : -1; }

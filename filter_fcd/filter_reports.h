@@ -30,20 +30,13 @@ HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::TagCount &tags);
 
 /// What a file of the layer holds if it is saved while it has tags; empty if tags replace nothing.
 std::string describe(const MeshModel &layer, const TagTarget &target);
-/// BroughtBack::placed and ::others in words.
-std::string describePlaced(const MeshModel &layer, const BroughtBack &made);
-std::string describeOthers(const MeshModel &layer, const BroughtBack &made);
 
 /// Loose parts, and the use of a given graph.
 std::vector<std::string> describe(const DeformedLayers &made, const DeformMeshParam &param);
 
-/// Steps, jumps and buckling of a pose, a sentence each.
-std::vector<std::string> describe(const vcg::fcd::PoseWay &way);
 HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::PoseWay &way);
 
-/// A warning if there are too few nodes; else empty. \param error as of Deformer::DiscretisationError
-std::string describeDiscretisation(double error);
-/// The error for scripts, which get finite values only: -1 if it is unknown.
+/// An error, as of Deformer::DiscretisationError, for scripts, which get finite values only: -1 if it is unknown.
 double valueOfDiscretisation(double error);
 
 /// How well a layer fits; besides valuesOf its result.

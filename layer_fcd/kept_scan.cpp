@@ -45,11 +45,18 @@ KeptVertices::KeptVertices(const MeshModel &layer, const KeptScan &scan)
         isAnyMoved && !isAnyNew && scan.vertexSlots == mesh.vert.size() && scan.faces == facesOf(mesh);
     const bool wasPosed = RestShape::exists(layer);
     std::optional<Eigen::Affine3d> move;
-    if (isAnyMoved && !isSameMesh)
-        move = moveOfAll();
+    if (isAnyMoved && !isSameMesh) { // perhaps something has moved all that were tagged by one affine map
+        std::vector<Eigen::Vector3d> from, to;
+        for (std::size_t i = 0; i < mesh.vert.size(); ++i)
+            if (isKnown[i]) {
+                from.push_back(toVector(vertexOf(i).place));
+                to.push_back(toVector(mesh.vert[i].cP()));
+            }
+        move = affineMapOf(from, to, layerRounding);
+    }
     if (isAnyMoved && !isSameMesh && !move) {
         const std::vector<double> longest = longestEdges(mesh);
-        const PosedVertex *posed = wasPosed ? RestShape::lastPlaces(layer) : nullptr;
+        const PosedVertex *posed = wasPosed ? LayerState::known(layer).rest->vertex.data() : nullptr;
         forVertices(mesh, [&](std::size_t i) {
             const Eigen::Vector3d p = toVector(mesh.vert[i].cP());
             const auto isNear = [&](const Eigen::Vector3d &place) { return (place - p).norm() <= longest[i] / 2; };
@@ -77,17 +84,6 @@ KeptVertices::KeptVertices(const MeshModel &layer, const KeptScan &scan)
                }) == 0 ||
                2 * number([](int tag, double now) { return tag > 0 && now == tag; }) >=
                    number([](int tag, double) { return tag > 0; }));
-}
-
-/// The affine map by which something has moved all vertices that were tagged; none: they were not moved alike.
-std::optional<Eigen::Affine3d> KeptVertices::moveOfAll() const {
-    std::vector<Eigen::Vector3d> from, to;
-    for (std::size_t i = 0; i < mesh.vert.size(); ++i)
-        if (isKnown[i]) {
-            from.push_back(toVector(vertexOf(i).place));
-            to.push_back(toVector(mesh.vert[i].cP()));
-        }
-    return affineMapOf(from, to, layerRounding);
 }
 
 std::vector<KeptVertices::Near> KeptVertices::nearTo(std::size_t i) const {

@@ -43,7 +43,6 @@ class KeptVertices {
         double weight; ///< they sum to 1
     };
     const TaggedVertex &vertexOf(std::size_t i) const { return scan.vertices[scan.number[i] - 1]; }
-    std::optional<Eigen::Affine3d> moveOfAll() const;
     std::vector<Near> nearTo(std::size_t i) const;
 
     const KeptScan &scan;

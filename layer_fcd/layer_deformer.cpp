@@ -24,7 +24,6 @@ using vcg::fcd::Stopwatch;
 LayerDeformer::LayerDeformer(MeshDocument &document, MeshModel &layer, PreparedLayers &preparedLayers, Remark remark)
     : document(document), layer(layer), number(layer.id()), preparedLayers(preparedLayers),
       remark(remark ? std::move(remark) : [](const std::string &) {}) {
-    preparedLayers.dropRemoved();
     preparedLayers.follow(document);
 }
 
@@ -232,8 +231,8 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
                 vcg::fcd::ContactOf(surface.View(), *found->deformer, positionsOf(layer), param.deformation);
         }
     } catch (const std::bad_alloc &) {
-        if (isFirst)
-            RestShape::drop(layer);
+        if (LayerState *state = LayerState::of(layer); state && isFirst)
+            state->rest.reset();
         throw;
     }
     return result;

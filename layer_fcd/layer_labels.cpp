@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "layer_labels.h"
 
-#include <algorithm>
-
 #include <QFile>
 #include <QRegularExpression>
 
@@ -55,16 +53,4 @@ QString labelOf(const MeshModel &base, const QString &what) {
         return name + " " + what;
     const int times = result.captured(2).isEmpty() ? 1 : result.captured(2).toInt();
     return QString("%1 %2 %3").arg(result.captured(1), what).arg(times + 1);
-}
-
-QString unusedLabel(const MeshDocument &document, const QString &label, const std::vector<MeshModel *> &but) {
-    const std::vector<const MeshModel *> layers = host::layers(document);
-    for (int n = 0;; ++n) {
-        const QString tried = n ? QString("%1(%2)").arg(label).arg(n) : label;
-        bool taken = false;
-        for (const MeshModel *layer : layers)
-            taken = taken || (layer->label() == tried && std::find(but.begin(), but.end(), layer) == but.end());
-        if (!taken)
-            return tried;
-    }
 }

@@ -6,7 +6,6 @@
 
 #include <cstddef>
 #include <string>
-#include <vector>
 
 /// 'NAME', for messages.
 std::string inQuotes(const QString &name);
@@ -33,9 +32,5 @@ std::string trianglesFlipped(std::size_t count);
 
 /// The label of a layer that is made from \p base: "NAME what"; "NAME what 2" if \p base is "NAME deformed", and so on.
 QString labelOf(const MeshModel &base, const QString &what);
-
-/// \p label, or "LABEL(n)" if a layer that is not among \p but has it. (MeshLab's own function takes a dot for the
-/// begin of an extension.)
-QString unusedLabel(const MeshDocument &document, const QString &label, const std::vector<MeshModel *> &but);
 
 #endif

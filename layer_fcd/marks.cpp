@@ -38,7 +38,3 @@ const std::string &appliedTags(const MeshDocument &document, MeshModel &layer) {
             name += '_';
     return name;
 }
-
-bool isApplied(const MeshModel &layer, const std::string &attribute) {
-    return LayerState::known(layer).appliedName == attribute;
-}

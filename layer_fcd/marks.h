@@ -26,10 +26,7 @@ void dropMarks(const MeshModel &layer);
 bool hasTags(const MeshModel &layer);
 
 /// The name of the vertex attribute for the tags of the tool's last pose (marks, and what these leave fixed), for
-/// scripts. It differs from the names of other attributes of the layer.
+/// scripts. It differs from the names of other attributes of the layer, and is not copied to other layers.
 const std::string &appliedTags(const MeshDocument &document, MeshModel &layer);
-
-/// Whether a vertex attribute is that one. It is not copied to other layers.
-bool isApplied(const MeshModel &layer, const std::string &attribute);
 
 #endif

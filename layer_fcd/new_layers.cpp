@@ -12,6 +12,8 @@
 
 #include <vcg/complex/allocate.h>
 
+#include <algorithm>
+
 using vcg::fcd::Index;
 
 namespace {
@@ -37,7 +39,7 @@ bool addIfOfOne(CMeshO &to, const vcg::PointerToAttribute &attribute, bool isOfV
 void addAttributes(CMeshO &to, const MeshModel &from, const Remark &remark) {
     const auto add = [&](const auto &attributes, bool isOfVertices) {
         for (const vcg::PointerToAttribute &attribute : attributes) {
-            if (attribute._name.empty() || isApplied(from, attribute._name))
+            if (attribute._name.empty() || LayerState::known(from).appliedName == attribute._name)
                 continue; // scratch data, or attributes that are not copied
             if (!addIfOfOne<bool, char, signed char, unsigned char, short, unsigned short, int, unsigned, long,
                             unsigned long, long long, unsigned long long, float, double, vcg::Point2f, vcg::Point2d,
@@ -50,6 +52,20 @@ void addAttributes(CMeshO &to, const MeshModel &from, const Remark &remark) {
     };
     add(from.cm.vert_attr, true);
     add(from.cm.face_attr, false);
+}
+
+/// \p label, or "LABEL(n)" if a layer that is not among \p but has it. (MeshLab's own function takes a dot for the
+/// begin of an extension.)
+QString unusedLabel(const MeshDocument &document, const QString &label, const std::vector<MeshModel *> &but) {
+    const std::vector<const MeshModel *> layers = host::layers(document);
+    for (int n = 0;; ++n) {
+        const QString tried = n ? QString("%1(%2)").arg(label).arg(n) : label;
+        bool taken = false;
+        for (const MeshModel *layer : layers)
+            taken = taken || (layer->label() == tried && std::find(but.begin(), but.end(), layer) == but.end());
+        if (!taken)
+            return tried;
+    }
 }
 
 } // namespace
@@ -69,7 +85,7 @@ NewLayers::~NewLayers() {
 
 void NewLayers::keep(const MeshModel &current, const vcg::fcd::Progress &progress,
                      const std::function<void()> &before) {
-    reportDone(progress);
+    progress(1, "Done");
     if (before)
         before();
     keepNow(current);
@@ -83,7 +99,7 @@ void NewLayers::keepResults(MeshModel &source, const std::vector<MeshModel *> &r
 
 void NewLayers::keep(const std::vector<std::unique_ptr<NewLayers>> &several, const MeshModel &current,
                      const vcg::fcd::Progress &progress) {
-    reportDone(progress);
+    progress(1, "Done");
     for (const auto &layers : several)
         layers->keepNow(current);
 }

@@ -73,7 +73,6 @@ class NewLayers {
                      const vcg::fcd::Progress &progress);
 
   private:
-    static void reportDone(const vcg::fcd::Progress &progress) { progress(1, "Done"); }
     void keepNow(const MeshModel &current);
     MeshModel &add(const QString &what);
     MeshModel &addPoints(const QString &what, const Eigen::Matrix3Xd &points,

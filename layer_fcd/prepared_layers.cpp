@@ -108,10 +108,6 @@ PreparedLayers::Key PreparedLayers::keyOf(const CMeshO &mesh, const Point3m *res
     return keyOfRanges(MeshRanges{mesh, rest, faces}, handles, param);
 }
 
-void PreparedLayers::dropRemoved() {
-    entries.remove_if([](const Entry &entry) { return !entry.document->getMesh(entry.layer); });
-}
-
 std::shared_ptr<Prepared> PreparedLayers::find(const Key &key) {
     const auto found =
         std::find_if(entries.begin(), entries.end(), [&](const Entry &entry) { return entry.key == key; });
@@ -123,6 +119,7 @@ std::shared_ptr<Prepared> PreparedLayers::find(const Key &key) {
 }
 
 void PreparedLayers::follow(const MeshDocument &document) {
+    entries.remove_if([](const Entry &entry) { return !entry.document->getMesh(entry.layer); });
     QObject::disconnect(&document, nullptr, &context, nullptr);
     QObject::connect(&document, &QObject::destroyed, &context, [this, gone = &document] {
         entries.remove_if([gone](const Entry &entry) { return entry.document == gone; });

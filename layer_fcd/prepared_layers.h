@@ -50,10 +50,8 @@ class PreparedLayers {
     std::shared_ptr<Prepared> add(const Key &key, const MeshDocument &document, int layer,
                                   const vcg::fcd::SurfaceView &surface, const vcg::fcd::Handles &handles,
                                   const vcg::fcd::DeformerParam &param, const vcg::fcd::Progress &progress);
-    /// Drops the deformers of a document's layers when it is closed.
+    /// Drops the deformers of deleted layers, and those of a document's layers when it is closed.
     void follow(const MeshDocument &document);
-    /// Drops the deformers of deleted layers.
-    void dropRemoved();
     void clear() { entries.clear(); }
 
   private:

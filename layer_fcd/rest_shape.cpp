@@ -78,8 +78,6 @@ bool RestShape::inherit(const MeshDocument &document, MeshModel &layer) {
     return exists(layer);
 }
 
-const PosedVertex *RestShape::lastPlaces(const MeshModel &layer) { return restOf(layer)->vertex.data(); }
-
 void RestShape::keep(const MeshDocument &document, MeshModel &layer) {
     const CMeshO &mesh = layer.cm;
     RestState kept;
@@ -111,11 +109,6 @@ void RestShape::keep(const MeshDocument &document, MeshModel &layer) {
         }
     }
     all.rest = std::move(kept);
-}
-
-void RestShape::drop(const MeshModel &layer) {
-    if (LayerState *state = LayerState::of(layer))
-        state->rest.reset();
 }
 
 RestShape::RestShape(MeshModel &layer) : layer(layer), mesh(layer.cm), state(*restOf(layer)) { state.matrix = mesh.Tr; }

@@ -28,13 +28,9 @@ class RestShape {
     static bool exists(const MeshModel &layer);
     /// Whether there is a rest shape; a copy first inherits those of its original.
     static bool inherit(const MeshDocument &document, MeshModel &layer);
-    /// Each vertex slot after the last pose. \pre the layer has a rest shape
-    static const PosedVertex *lastPlaces(const MeshModel &layer);
     /// Makes the present shape of \p layer its rest shape. The old one becomes an earlier one, unless something else
     /// has moved or made vertices: then old shapes no longer fit the mesh, and none is kept.
     static void keep(const MeshDocument &document, MeshModel &layer);
-    /// Forgets all rest shapes.
-    static void drop(const MeshModel &layer);
 
     /// \pre the layer has a rest shape
     explicit RestShape(MeshModel &layer);
