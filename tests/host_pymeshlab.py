@@ -130,6 +130,16 @@ def test_a_document_without_layers_is_an_error_and_no_crash(name):
     assert len(list(ms)) == 0
 
 
+def test_many_calls_share_the_texts_of_their_parameters(tmp_path):
+    """pymeshlab keeps the parameters of each call, with labels and help: 10 KB of this filter."""
+    ms = clean_bone()
+    held = []
+    for _ in range(25):
+        ms.apply_filter("save_fcd_tags", tag_file=str(tmp_path / "tags.sel"))
+        held.append(allocated())
+    assert held[-1] - held[4] < 20 * 6000
+
+
 def check_returned(result, types):
     assert {key: type(value) for key, value in result.items()} == types
     assert all(np.isfinite(value) for value in result.values())
