@@ -132,10 +132,8 @@ def compensate(
         Parts farther than this from the scan count as not scanned, in units of the vertices. 0: no limit.
     samples : int, default 12000
         How many places of the nominal part are matched, from 100 to a million.
-    threads : int, default 0
-        How many to use; 0 is one a core.
-    progress : Progress, optional
-        Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
+    threads, progress
+        As of [Deformer][pymeshlab_fcd.Deformer].
 
     Returns
     -------

@@ -50,8 +50,7 @@ def deform(
     progress: Progress = None,
     weights: Distances | None = None,
 ) -> Points:
-    """Deforms a mesh or a cloud in one call. [Deformer][pymeshlab_fcd.Deformer] and its
-    [pose][pymeshlab_fcd.Deformer.pose] explain all parameters.
+    """Deforms a mesh or a cloud in one call.
 
     Parameters
     ----------
@@ -67,46 +66,12 @@ def deform(
         Landmarks: k numbers of free vertices, or k x 3 places.
     landmarks : array_like, optional
         k x 3, where the points go.
-    percent : float, default 100.0
-        Share of all motions that is made.
-    steps : int, default 1
-        Number of steps to the pose.
-    smoothness : float, default 0.0058
-        0.001 is loose, 0.1 is stiff.
-    falloff : {'smooth', 'linear', 'sharp', 'constant'}, default 'smooth'
-        How the motion of a handle fades.
-    elastic : bool, default False
-        What bends keeps its volume.
-    rigidity : float, default 1.0
-        1: as rigid as possible, 0: as a thin-plate spline, for what is sheared or grown.
-    patches : int, default 0
-        How many patches to begin with; 0: as many as the surface needs, 100 to 1500.
-    target_radius : float, default 0.0
-        How far a patch may reach; 0: automatic.
-    seed : int, default 1
-        Chooses where the first patches are.
-    nodes : array_like, optional
-        k x 3, centres of patches to use instead.
-    graph_weights : {'border', 'uniform', 'paper', 'printed'}, default 'border'
-        How strongly neighbouring patches hold together.
-    distances : {'surface', 'euclidean'}, default 'surface'
-        What a node may influence.
-    influence : float, default 4.0
-        How far a node reaches, in radii of its patch.
-    loose_parts : {'follow', 'stay'}, default 'follow'
-        What becomes of parts without a handle or fixed vertex.
-    weld_distance : float, default 1e-06
-        Fraction of the diagonal up to which vertices on open borders count as one.
-    max_iterations : int, default 1000
-        The shape is improved at most this often.
-    tolerance : float, default 1e-05
-        How near to rest the shape must come, a fraction of the diagonal.
-    threads : int, default 0
-        How many to use; 0 is one a core.
-    progress : Progress, optional
-        Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
-    weights : {'surface', 'euclidean'}, optional
-        The old name of `distances`.
+    percent, steps
+        As of [Deformer.pose][pymeshlab_fcd.Deformer.pose].
+    smoothness, falloff, elastic, rigidity, patches, target_radius, seed, nodes, graph_weights, distances, influence
+        As of [Deformer][pymeshlab_fcd.Deformer].
+    loose_parts, weld_distance, max_iterations, tolerance, threads, progress, weights
+        As of [Deformer][pymeshlab_fcd.Deformer].
 
     Returns
     -------
@@ -167,9 +132,9 @@ def deformation(
     vertices, faces, tags, transforms, points, landmarks, percent, steps
         As of [deform][pymeshlab_fcd.deform].
     smoothness, falloff, elastic, rigidity, patches, target_radius, seed, nodes, graph_weights, distances, influence
-        As of [deform][pymeshlab_fcd.deform].
+        As of [Deformer][pymeshlab_fcd.Deformer].
     loose_parts, weld_distance, max_iterations, tolerance, threads, progress, weights
-        As of [deform][pymeshlab_fcd.deform].
+        As of [Deformer][pymeshlab_fcd.Deformer].
     accuracy : float, default 0.0
         How far a vertex may be off at most, in world units; 0: a fiftieth of the largest motion, at most a ten-thousandth of the diagonal
         of what moves.

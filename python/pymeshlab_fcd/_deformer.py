@@ -540,16 +540,8 @@ class Deformer(Unchanging):
 
         Parameters
         ----------
-        transforms : Transforms, optional
-            `{tag: 4 x 4 matrix or Motion}`; handles that are not in it stay.
-        landmarks : array_like, optional
-            k x 3, where the `points` go; None: they stay.
-        percent : float, default 100.0
-            How much of all motions is wanted.
-        steps : int, default 1
-            The least number of steps to each pose.
-        progress : Progress, optional
-            Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
+        transforms, landmarks, percent, steps, progress
+            As of [pose][pymeshlab_fcd.Deformer.pose].
 
         Returns
         -------

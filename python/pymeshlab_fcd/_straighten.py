@@ -133,16 +133,10 @@ def straighten(
         n x 3, at rest, which turn with the surface. None: those of its faces.
     patches : int, default 1000
         How many patches to begin with, from 1.
-    seed : int, default 1
-        Chooses where the first patches are.
     smoothness : float, default 0.0058
         Smoothness of the parts that do not move with the line: 0.001 is loose, 0.1 is stiff.
-    weld_distance : float, default 1e-06
-        Fraction of the diagonal up to which vertices on open borders count as one.
-    threads : int, default 0
-        How many to use; 0 is one a core.
-    progress : Progress, optional
-        Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
+    seed, weld_distance, threads, progress
+        As of [Deformer][pymeshlab_fcd.Deformer].
 
     Returns
     -------
