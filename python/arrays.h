@@ -9,8 +9,10 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 /// \file
 /// Arrays of numpy, as the extension takes and returns them: C-contiguous, never copied.
@@ -34,6 +36,15 @@ nb::object newArray(std::initializer_list<std::size_t> shape, T *&data) {
     data = memory.get();
     nb::capsule owner(memory.release(), [](void *array) noexcept { delete[] static_cast<T *>(array); });
     return nb::cast(nb::ndarray<nb::numpy, T>(data, shape.size(), shape.begin(), owner));
+}
+
+/// A new array of T with these values.
+template <class T, class Value>
+nb::object arrayOf(const std::vector<Value> &values) {
+    T *data;
+    nb::object made = newArray({values.size()}, data);
+    std::copy(values.begin(), values.end(), data);
+    return made;
 }
 
 /// \throw value_error an array has not as many rows as its surface has vertices

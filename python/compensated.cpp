@@ -7,22 +7,6 @@
 #include <algorithm>
 #include <limits>
 
-namespace {
-
-vcg::fcd::SurfaceView viewOf(const Rows &vertices, const std::optional<Corners> &faces) {
-    vcg::fcd::SurfaceView view;
-    view.position = vertices.data();
-    view.vertexSlots = vertices.shape(0);
-    if (faces) {
-        view.corner = faces->data();
-        view.faces = faces->shape(0);
-    }
-    view.isCloud = view.faces == 0;
-    return view;
-}
-
-} // namespace
-
 Compensating::Compensating(const Rows &vertices, const std::optional<Corners> &faces, const Rows &scan,
                            const std::optional<Corners> &scanFaces, const std::optional<Rows> &scanNormals,
                            const nb::dict &given, unsigned threads, const nb::object &report)

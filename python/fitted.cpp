@@ -53,7 +53,7 @@ std::vector<Eigen::Vector3d> pointsOf(const Rows &rows) {
     return points;
 }
 
-nb::object arrayOf(const std::vector<Eigen::Vector3d> &points) {
+nb::object rowsOf(const std::vector<Eigen::Vector3d> &points) {
     double *data;
     nb::object rows = newArray({points.size(), 3}, data);
     for (std::size_t k = 0; k < points.size(); ++k)
@@ -110,7 +110,7 @@ nb::list readCurves(const nb::bytes &content, const std::string &name) {
     nb::list all;
     for (const CurvePair &curve : curves)
         all.append(nb::make_tuple(nb::bytes(curve.name.data(), curve.name.size()), nb::cast(curve.sourceLine),
-                                  arrayOf(curve.source), arrayOf(curve.target)));
+                                  rowsOf(curve.source), rowsOf(curve.target)));
     return all;
 }
 
@@ -123,12 +123,8 @@ nb::list Fitting::along(const std::vector<FileCurve> &curves, const nb::object &
     Listener::Run(report, prepared->threads,
                   [&](const Progress &progress) { lead = fitter->LeadAlong(pairs, "the surface", progress); });
     nb::list all;
-    for (const vcg::fcd::Curve &curve : lead.curve) {
-        std::int64_t *vertex;
-        const nb::object numbers = newArray({curve.vertex.size()}, vertex);
-        std::copy(curve.vertex.begin(), curve.vertex.end(), vertex);
-        all.append(nb::make_tuple(numbers, arrayOf(curve.offset)));
-    }
+    for (const vcg::fcd::Curve &curve : lead.curve)
+        all.append(nb::make_tuple(arrayOf<std::int64_t>(curve.vertex), rowsOf(curve.offset)));
     return all;
 }
 
@@ -143,13 +139,7 @@ nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows 
         vertices = nb::cast<Rows>(given["vertices"]);
         faces = nb::cast<std::optional<Corners>>(given["faces"]);
         normals = nb::cast<std::optional<Rows>>(given["normals"]);
-        goal.surface.position = vertices->data();
-        goal.surface.vertexSlots = vertices->shape(0);
-        if (faces) {
-            goal.surface.corner = faces->data();
-            goal.surface.faces = faces->shape(0);
-        }
-        goal.surface.isCloud = goal.surface.faces == 0;
+        goal.surface = viewOf(*vertices, faces);
         goal.normal = normalsOf(normals);
         weights = nb::cast<std::optional<Weights>>(given["weights"]);
         goal.weight = weightsOf(weights);

@@ -183,15 +183,8 @@ nb::tuple Posed::contact(const Rows &vertices, const nb::object &report) const {
         found =
             vcg::fcd::ContactOf(prepared->view, *prepared->deformer, columnsOf(vertices), prepared->param, progress);
     });
-    std::int64_t *face;
-    nb::object faces = newArray({found.face.size()}, face), depths = nb::none();
-    std::copy(found.face.begin(), found.face.end(), face);
-    if (!found.depth.empty()) {
-        double *depth;
-        depths = newArray({found.depth.size()}, depth);
-        std::copy(found.depth.begin(), found.depth.end(), depth);
-    }
-    return nb::make_tuple(faces, found.pairs, found.largest, depths);
+    return nb::make_tuple(arrayOf<std::int64_t>(found.face), found.pairs, found.largest,
+                          found.depth.empty() ? nb::none() : arrayOf<double>(found.depth));
 }
 
 nb::object Posed::stretch(const Rows &vertices, const nb::object &report) const {
@@ -200,10 +193,7 @@ nb::object Posed::stretch(const Rows &vertices, const nb::object &report) const 
     Listener::Run(report, prepared->threads, [&](const Progress &progress) {
         measure = vcg::fcd::MeasurePose(*prepared->deformer, pose, *carrier, columnsOf(vertices), progress);
     });
-    float *stretch;
-    nb::object all = newArray({measure.stretch.size()}, stretch);
-    std::copy(measure.stretch.begin(), measure.stretch.end(), stretch);
-    return all;
+    return arrayOf<float>(measure.stretch);
 }
 
 nb::tuple Posed::map(const Rows &points, const std::optional<Rows> &normals, const nb::object &report) const {

@@ -26,6 +26,18 @@ std::shared_ptr<const Deformer> deformerOf(const Prepared &prepared, const Progr
 
 } // namespace
 
+vcg::fcd::SurfaceView viewOf(const Rows &vertices, const std::optional<Corners> &faces) {
+    vcg::fcd::SurfaceView view;
+    view.position = vertices.data();
+    view.vertexSlots = vertices.shape(0);
+    if (faces) {
+        view.corner = faces->data();
+        view.faces = faces->shape(0);
+    }
+    view.isCloud = view.faces == 0;
+    return view;
+}
+
 Prepared::Prepared(const Rows &vertices, const std::optional<Corners> &faces,
                    const Given<std::int32_t, nb::ndim<1>> &tags, const Given<std::int64_t, nb::ndim<1>> &points,
                    const vcg::fcd::DeformationParam &param, unsigned threads, const nb::object &report,
@@ -55,13 +67,7 @@ Prepared::Prepared(const Rows &vertices, const std::optional<Corners> &faces,
 }
 
 void Prepared::prepare(const nb::object &report, const Make &make) {
-    view.position = vertices.data();
-    view.vertexSlots = vertices.shape(0);
-    if (faces) {
-        view.corner = faces->data();
-        view.faces = faces->shape(0);
-    }
-    view.isCloud = view.faces == 0;
+    view = viewOf(vertices, faces);
     Listener::Run(report, threads, [&](const Progress &progress) {
         const vcg::fcd::Stopwatch watch;
         param.Validate();

@@ -14,6 +14,9 @@
 #include <optional>
 #include <vector>
 
+/// A surface on arrays, which must outlive it. \param faces none: a cloud
+vcg::fcd::SurfaceView viewOf(const Rows &vertices, const std::optional<Corners> &faces);
+
 /// A surface of numpy's arrays that is prepared to be deformed. It refers to the arrays. Python passes arrays of its
 /// own, or checks before each call that they have not changed.
 class Prepared {
