@@ -401,6 +401,45 @@ TEST(BendModel, ALimbTurnsWithoutTheNextOne) {
         EXPECT_GT(turned[k], 3) << k;
 }
 
+TEST(BendModel, AShortPointedEndIsALimb) {
+    // A tail like a cone, which is no longer than the reach, on a body 0.9 thick.
+    Bent bent(TurnedBody([](double x) { return x < 0.5 ? 0.45 : 0.25 - 0.5 * (x - 0.5); }));
+    const double usual = 0.5;
+    for (const double x : {1.0, 0.8}) {
+        const std::size_t slot = bent.nearest({x, 0, 0.25 - 0.5 * (x - 0.5)});
+        const auto root = bent.reach.rootOfLimb(slot, usual, 0.01);
+        ASSERT_TRUE(root) << x;
+        const auto extent = bent.reach.whole({*root}, bent.reach.radiusAt(*root, usual), 0.01);
+        ASSERT_TRUE(extent->joint) << x;
+        EXPECT_NEAR((*extent->joint)[0], 0.6, 0.15) << "in the tail";
+        EXPECT_LT(std::hypot((*extent->joint)[1], (*extent->joint)[2]), 0.05);
+        EXPECT_GT(extent->shareOf(slot), 0.5);
+    }
+    // The corners of boxes, of which the second one is a plate, are pulled.
+    for (const double thick : {0.8, 0.1}) {
+        const Eigen::AlignedBox3d box(Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.8, 0.8, thick));
+        Bent corners(BlocksOf(0.05, {box.min(), box.max() + Eigen::Vector3d::Constant(0.01)},
+                              [](const Eigen::Vector3d &) { return true; }));
+        for (const double reach : {0.2, 0.3})
+            EXPECT_FALSE(corners.reach.rootOfLimb(corners.nearest(box.max()), reach, 0.01)) << thick << ", " << reach;
+    }
+}
+
+TEST(BendModel, HornsAreNoLimbsOfTheirOwnAndArmsAre) {
+    const double cell = 0.03;
+    for (const double longer : {0.0, 0.8}) {
+        const auto isIn = [&](const Eigen::Vector3d &p) {
+            const Eigen::Vector3d half(std::abs(p[0]), p[1], p[2]);
+            return isNear(p, {0, -0.9, 0}, {0, -0.2, 0}, 0.45) || isNear(p, {0, 0, 0}, {0, 0.6, 0}, 0.2) ||
+                   isNear(half, {0.15, 0.3, 0}, {0.5 + longer, 0.3, 0}, 0.035 + 0.05 * longer);
+        };
+        Bent bent(BlocksOf(cell, {Eigen::Vector3d(-1.4, -1.4, -0.5), Eigen::Vector3d(1.4, 0.9, 0.5)}, isIn));
+        const auto extent = bent.reach.extent({bent.nearest({0, 0.8, 0})}, 0.85);
+        EXPECT_FALSE(extent->tips.empty());
+        EXPECT_EQ(extent->isOneLimb, longer == 0);
+    }
+}
+
 TEST(BendModel, LegsOnBothSidesHoldTheSame) {
     // The sides of an animal mirror each other in z, but the diagonals of their squares do not.
     const double cell = 0.025;

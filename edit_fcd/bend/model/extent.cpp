@@ -17,8 +17,8 @@ namespace {
 // of the same limb, like the fingers of a hand; balls of twice the size cut off others, like the head from a shoulder.
 const double largestBall = 1.5;
 
-// Least area of a tip that is another limb, over that of the largest: a third as long and as thick. Anything smaller,
-// like an ear, goes along.
+// Least area of a tip that is another limb, over that of the largest tip, or of the core: a third as long and as thick.
+// Anything smaller, like an ear, goes along.
 const float otherLimb = 0.1f;
 
 const double coreSize = 0.5; // share of the radius that moves with a handle; the other half bends
@@ -85,6 +85,8 @@ std::pair<std::vector<char>, bool> BendReach::tipsOfLimb(const Pieces &pieces, c
             area[met[which]] += pieces.area[which];
     }
     float largest = 0;
+    for (std::size_t k = 0; k < ball.size() && distances[k] <= coreSize * distances.back(); ++k)
+        largest += surface->nodeArea[std::size_t(ball[k])];
     for (const auto &[node, each] : area)
         largest = std::max(largest, each);
     const auto limbs =

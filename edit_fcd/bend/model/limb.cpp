@@ -38,6 +38,16 @@ const double ringsOfRadius = 4; // that growth is measured over one of them, the
 
 const int binsOfThickness = 2; // cross-sections for each thickness of a limb
 
+// A vertex is pointed if the area within the usual radius is less than so much of a flat one's. That at the corner of a
+// cube has 0.75 of it, that of a cone with an angle of 80 degrees 0.64.
+const double leastFlatEnd = 0.65;
+
+// Least distance of its joint from the surface, over the radius: it is 0 at the corner of a sheet, and 0.25 in a limb
+// half as thick as the radius is long.
+const double leastInside = 0.125;
+
+const double nearestEnd = 4; // an end is farther from the center than all within that fraction of the usual radius
+
 } // namespace
 
 std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual, double hair) {
@@ -116,29 +126,55 @@ double BendReach::radiusAtEnd(std::size_t slot, double usual) const {
     return girth * unit < betweenLineAndPlane * all ? 2 * girth / double(EIGEN_PI) * surface->frame.scale : 0;
 }
 
-/// The end of a limb that is too short to have anything beyond a handle, if the vertex turns with it: the vertex around
-/// that is farthest from the center of the body.
-std::optional<std::size_t> BendReach::endOfShortLimb(const Pointed &at) {
-    const vcg::fcd::Graph &graph = surface->graph;
-    const std::vector<vcg::fcd::Index> ball = nodesWithin({at.slot}, 2 * at.usual);
-    const vcg::fcd::Index end = *std::max_element(ball.begin(), ball.end(), [&](vcg::fcd::Index u, vcg::fcd::Index v) {
-        return (graph.position.col(u) - middleOfAll).squaredNorm() <
-               (graph.position.col(v) - middleOfAll).squaredNorm();
-    });
-    const std::size_t slot = slotOf(end);
-    const double radius = radiusAtEnd(slot, at.usual);
-    if (radius < at.usual || !whole({slot}, radius, at.hair)->joint || !turnsOneLimb(slot, at))
-        return {};
-    float turned = 0;
-    for (const vcg::fcd::Index u : nodesWithin({slot}, radius))
-        turned += surface->nodeArea[std::size_t(u)];
-    return turned < largestLimb * areaOfAll ? std::optional(slot) : std::nullopt;
+/// Tells whether a vertex is the end of something like a thumb or a short tail: pointed, and with its joint inside.
+bool BendReach::isRoundEnd(std::size_t slot, const Pointed &at) {
+    const std::vector<vcg::fcd::Index> ball = nodesWithin({slot}, at.usual);
+    const double unit = at.usual / surface->frame.scale;
+    double area = 0;
+    for (const vcg::fcd::Index u : ball)
+        area += surface->nodeArea[std::size_t(u)];
+    if (area > leastFlatEnd * EIGEN_PI * unit * unit)
+        return false;
+    const auto &joint = whole({slot}, at.usual, at.hair)->joint;
+    const Eigen::Vector3d middle = surface->frame.ToFrame(joint.value_or(Eigen::Vector3d::Zero()));
+    return joint && std::all_of(ball.begin(), ball.end(), [&](vcg::fcd::Index u) {
+               return (surface->graph.position.col(u).cast<double>() - middle).norm() > leastInside * unit;
+           });
 }
 
-/// Tells whether a handle turns the limb of a vertex, and no other one with it.
+/// The end of a limb that is too short to have anything beyond a handle, if the vertex turns with it: the vertex around
+/// that is farthest from the center of the body, or else one of its own part.
+std::optional<std::size_t> BendReach::endOfShortLimb(const Pointed &at) {
+    const vcg::fcd::Graph &graph = surface->graph;
+    const auto farthest = [&](std::size_t from, double radius) {
+        const std::vector<vcg::fcd::Index> ball = nodesWithin({from}, radius);
+        return slotOf(*std::max_element(ball.begin(), ball.end(), [&](vcg::fcd::Index u, vcg::fcd::Index v) {
+            return (graph.position.col(u) - middleOfAll).squaredNorm() <
+                   (graph.position.col(v) - middleOfAll).squaredNorm();
+        }));
+    };
+    const auto isEnd = [&](std::size_t slot) {
+        if ((radiusAtEnd(slot, at.usual) < at.usual && !isRoundEnd(slot, at)) || !turnsOneLimb(slot, at))
+            return false;
+        float turned = 0;
+        for (const vcg::fcd::Index u : nodesWithin({slot}, radiusAt(slot, at.usual)))
+            turned += surface->nodeArea[std::size_t(u)];
+        return turned < largestLimb * areaOfAll;
+    };
+    const std::size_t end = farthest(at.slot, 2 * at.usual);
+    if (isEnd(end))
+        return end;
+    const double step = at.usual / nearestEnd;
+    std::size_t near = at.slot, next = farthest(near, step);
+    while (next != near)
+        next = farthest(near = next, step);
+    return near != end && isEnd(near) ? std::optional(near) : std::nullopt;
+}
+
+/// Tells whether a handle turns the limb of a vertex about a joint, and no other limb with it.
 bool BendReach::turnsOneLimb(std::size_t root, const Pointed &at) {
     const auto turned = whole({root}, radiusAt(root, at.usual), at.hair);
-    return turned->isOneLimb && turned->shareOf(at.slot) > leastShare;
+    return turned->joint && turned->isOneLimb && turned->shareOf(at.slot) > leastShare;
 }
 
 /// The same for a vertex of the limb, if something of it lies beyond. \param pointed the vertex that is to turn

@@ -116,6 +116,7 @@ class BendReach {
     };
     bool turnsOneLimb(std::size_t root, const Pointed &at);
     double radiusAtEnd(std::size_t slot, double usual) const;
+    bool isRoundEnd(std::size_t slot, const Pointed &at);
     std::optional<std::size_t> endOfShortLimb(const Pointed &at);
     std::optional<std::size_t> rootBefore(std::size_t slot, double radius, const Pointed &pointed);
     void take(std::unique_ptr<vcg::fcd::SurfaceGraph> read);
