@@ -1895,7 +1895,12 @@ def test_an_animation_is_exported_as_layers(window, tmp_path):
     assert len(expected) == 5 and all(np.array_equal(a, np.float32(b)) for a, b in zip(frames, expected))
 
     choose_layer(w, 0)
+    w.do("mousemove", X, Y - 250)
+    w.key("b")
     assert make(["Down"]).startswith("2 layers. ")
+    w.do("mousemove", X, Y - 250)
+    w.key("t", "t")
+    assert w.said().startswith("Drag over the surface: what the brush meets ") # the mode stays
     choose_layer(w, 7)
     assert np.array_equal(load(w.save("key.ply"))[0], shown)
 

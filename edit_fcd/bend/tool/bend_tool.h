@@ -20,6 +20,7 @@ class BendTool : public BendStage {
 
     bool start(MeshDocument &document, GLArea *view) override;
     void changeLayer(MeshDocument &document, GLArea *view) override;
+    void end() override;
     void draw() override;
     void press(QMouseEvent *event) override;
     void move(QMouseEvent *event) override;
@@ -106,6 +107,7 @@ class BendTool : public BendStage {
     int refused = -1;                                 ///< a layer that cannot be bent
     std::map<int, std::unique_ptr<BendSession>> left; ///< sessions of other layers, by their number
     BendOptions usual;                                ///< of the last layer, for the next
+    BendPanel::Mode usualMode = BendPanel::Drag;      ///< the same, until the user ends the tool
     std::unique_ptr<BendLinePreview> linePreview;     ///< in the mode Line
     std::unique_ptr<BendOnionSkin> onionSkin;         ///< null: switched off
     double timeOfGhosts = 0;                          ///< the last shown time of the animation, seconds

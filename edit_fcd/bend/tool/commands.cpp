@@ -45,6 +45,7 @@ void BendTool::makePanel() {
         });
     panel->allowStretch(model->cm.fn > 0);
     showOptions();
+    setMode(usualMode);
     dockPanel(*view, *panel);
     if (session->state().marks)
         panel->setRole(BendPanel::Handle, session->model().influence.unusedTag());

@@ -38,6 +38,12 @@ void BendTool::changeLayer(MeshDocument &newDocument, GLArea *area) {
         start(newDocument, area);
 }
 
+void BendTool::end() {
+    close();
+    if (!isEnding)
+        usualMode = BendPanel::Drag;
+}
+
 void BendTool::forgetDocument() {
     preparing.stop(); // waits for it
     onionSkin.reset();
@@ -132,8 +138,10 @@ void BendTool::close() {
     if (session)
         usual = session->edit().options;
     session.reset();
-    if (panel)
+    if (panel) {
         panel->keepSizes();
+        usualMode = panel->mode() == BendPanel::Line ? BendPanel::Drag : panel->mode(); // a line is of one layer
+    }
     leaveView(panel);
     panel = nullptr;
 }
