@@ -192,8 +192,9 @@ class BendSession {
     /// \throw vcg::fcd::Error as blend(), prepare() and WriteFrames; or the file cannot be written
     void exportAnimation(const Animation &animation, const AnimationExport &how, ExportedAnimation &made,
                          const vcg::fcd::Progress &progress);
-    /// Adds a hidden layer for each frame, all or none. The layer itself is at rest then, and the current one.
-    void addLayers(const ExportedAnimation &made, const Remark &remark);
+    /// Adds a hidden layer for each frame, all or none, and frees the frames. The layer itself is at rest then, and the
+    /// current one.
+    void addLayers(ExportedAnimation &made, const Remark &remark);
     /// The filter call that makes the same.
     std::string exportCall(const Animation &animation, const AnimationExport &how) const;
 

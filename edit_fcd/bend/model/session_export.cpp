@@ -8,6 +8,8 @@
 #include <layer_fcd/layer_sequence.h>
 #include <layer_fcd/new_layers.h>
 
+#include <utility>
+
 // Makes files and layers of the animation as FCD: Pose Sequence does.
 
 using vcg::fcd::PoseSequence;
@@ -51,13 +53,15 @@ void BendSession::exportAnimation(const Animation &animation, const AnimationExp
                               progress.Slice(0.2, 1));
 }
 
-void BendSession::addLayers(const ExportedAnimation &made, const Remark &remark) {
+void BendSession::addLayers(ExportedAnimation &made, const Remark &remark) {
     restore(); // the layers get its normals, turned
     NewLayers layers(document, layer, remark);
     std::vector<MeshModel *> added;
     added.reserve(made.frames.size());
-    for (const ExportedAnimation::Frame &each : made.frames)
-        added.push_back(&layers.addDeformed(each.what, each.position, each.linear, {}));
+    for (ExportedAnimation::Frame &each : made.frames) {
+        const ExportedAnimation::Frame frame = std::move(each); // its memory is for the next layers
+        added.push_back(&layers.addDeformed(frame.what, frame.position, frame.linear, {}));
+    }
     layers.keep(layer, {});
     for (MeshModel *each : added)
         host::setVisible(*each, false);
