@@ -4,8 +4,7 @@
 #include "edit_fcd/bend/panel/export_dialog.h" // before Qt
 
 #include "edit_fcd/bend/model/named_poses.h"
-#include "edit_fcd/bend/tool/play_interaction.h"
-#include "edit_fcd/bend/tool/scrub_interaction.h"
+#include "edit_fcd/bend/tool/animation_interaction.h"
 
 #include <layer_fcd/layer_labels.h>
 #include <layer_fcd/layer_sequence.h>
@@ -36,9 +35,7 @@ void BendTool::connectPoses() {
     when(list, &BendPoseList::chosen, [this](int row) {
         changePose(row, [&] {
             session->change();
-            std::vector<double> weights(weightsOfPoses(session->state()).size(), 0);
-            weights[std::size_t(row)] = 100;
-            showBlend(weights);
+            showBlend(aloneOf(session->state().poses->pose.size(), std::size_t(row)));
         });
     });
     when(list, &BendPoseList::renamed, [this](int row, const QString &name) {
