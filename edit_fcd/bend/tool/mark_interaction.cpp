@@ -1,26 +1,51 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/tool/mark_interaction.h"
+#include "edit_fcd/bend/model/session.h"
 
-MarkInteraction::MarkInteraction(BendStage &stage, BendMarking::Kind kind) : BendInteraction(stage) {
-    marking.kind = kind;
+#include <QPolygonF>
+
+MarkInteraction::MarkInteraction(BendStage &stage, Kind kind) : BendInteraction(stage), kind(kind) {
     stage.session->change();
     stage.takeNewHandle();
     if (!stage.panel->isThrough())
-        marking.depth = depthOf(*stage.view, stage.seen);
+        depth = depthOf(*stage.view, stage.seen);
 }
 
 void MarkInteraction::begin() {
-    const Eigen::Vector2d corner = stage.mouseInWindow().head<2>();
-    if (marking.kind == BendMarking::Brush)
+    if (kind == Brush)
         brush();
     else
-        marking.corners.assign(marking.kind == BendMarking::Rectangle ? 2 : 1, corner);
+        corners.assign(kind == Rectangle ? 2 : 1, stage.mouseInWindow().head<2>());
 }
 
+/// Empty for a brush.
+std::vector<Eigen::Vector2d> MarkInteraction::outline() const {
+    if (kind == Rectangle && corners.size() == 2)
+        return {corners[0], {corners[1][0], corners[0][1]}, corners[1], {corners[0][0], corners[1][1]}};
+    return kind == Polygon ? corners : std::vector<Eigen::Vector2d>();
+}
+
+/// Marks the vertices in a part of the window, and those on the other side of the mirror.
+void MarkInteraction::mark(const SeenPart::IsIn &isIn) {
+    const BendSession &session = *stage.session;
+    const Eigen::Affine3d mirror = mirrorOf(session.model());
+    const SeenPart part(stage.seen, isIn, depth, session.diagonal());
+    const std::vector<std::size_t> found = slotsThat(session.tags().size(), [&](std::size_t slot) {
+        if (session.restShape().isDeleted(slot))
+            return false;
+        const Eigen::Vector3d p = session.positionOf(slot);
+        return part.has(p) || (session.model().options.mirror >= 0 && part.has(mirror * p));
+    });
+    if (kind == Brush || !found.empty())
+        stage.session->mark(found, stage.panel->tag());
+}
+
+/// Moves the brush to the mouse.
 void MarkInteraction::brush() {
     const double radius = stage.panel->brush() * stage.view->devicePixelRatioF();
-    stage.session->mark(marking.strokeTo(stage.mouseInWindow().head<2>(), radius, *stage.session, stage.seen),
-                        stage.panel->tag());
+    const Eigen::Vector2d to = stage.mouseInWindow().head<2>(), from = corners.empty() ? to : corners.back();
+    corners = {to};
+    mark([&](const Eigen::Vector2d &p) { return distanceToSegment(p, from, to) <= radius; });
     stage.showOverlay();
     stage.view->update();
 }
@@ -29,11 +54,11 @@ void MarkInteraction::end() {
     stage.ended();
     if (!stage.layer())
         return;
-    if (marking.kind != BendMarking::Brush) {
-        const std::vector<std::size_t> found = marking.inside(*stage.session, stage.seen);
-        if (!found.empty())
-            stage.session->mark(found, stage.panel->tag());
-    }
+    QPolygonF polygon;
+    for (const Eigen::Vector2d &corner : outline())
+        polygon << QPointF(corner[0], corner[1]);
+    if (kind != Brush)
+        mark([&](const Eigen::Vector2d &p) { return polygon.containsPoint(QPointF(p[0], p[1]), Qt::OddEvenFill); });
     stage.takeMarks();
     stage.refresh();
 }
@@ -48,25 +73,25 @@ void MarkInteraction::cancel() {
 
 void MarkInteraction::move(QMouseEvent &event) {
     const bool isHeld = event.buttons() & Qt::LeftButton;
-    if (marking.kind != BendMarking::Polygon && !isHeld)
+    if (kind != Polygon && !isHeld)
         end(); // it was released elsewhere
-    else if (marking.kind == BendMarking::Brush)
+    else if (kind == Brush)
         brush();
     else if (isHeld)
-        marking.corners.back() = stage.mouseInWindow().head<2>();
+        corners.back() = stage.mouseInWindow().head<2>();
 }
 
 void MarkInteraction::release() {
-    if (marking.kind != BendMarking::Polygon)
+    if (kind != Polygon)
         end();
 }
 
 /// Adds a corner to a polygon, or ends it.
 bool MarkInteraction::press(QMouseEvent &event) {
-    if (marking.kind != BendMarking::Polygon)
+    if (kind != Polygon)
         return false;
     if (stage.isPlain(event) && stage.panel->mode() == BendPanel::Polyline && stage.isReady())
-        marking.corners.emplace_back(stage.mouseInWindow().head<2>());
+        corners.emplace_back(stage.mouseInWindow().head<2>());
     else if (event.button() == Qt::RightButton)
         end();
     else
@@ -77,13 +102,13 @@ bool MarkInteraction::press(QMouseEvent &event) {
 }
 
 bool MarkInteraction::doubleClick() {
-    if (marking.kind != BendMarking::Polygon)
+    if (kind != Polygon)
         return false;
     end();
     return true;
 }
 
 void MarkInteraction::draw() const {
-    if (marking.kind != BendMarking::Brush)
-        drawOutline(stage.seen, marking.outline());
+    if (kind != Brush)
+        drawOutline(stage.seen, outline());
 }

@@ -2,13 +2,15 @@
 #ifndef FCD_BEND_MARK_INTERACTION_H
 #define FCD_BEND_MARK_INTERACTION_H
 
-#include "edit_fcd/bend/tool/marking.h"
 #include "edit_fcd/bend/tool/stage.h"
+#include "edit_fcd/view/brush.h"
 
 /// Marks vertices as the panel says, by brush, rectangle or polygon.
 class MarkInteraction : public BendInteraction {
   public:
-    MarkInteraction(BendStage &stage, BendMarking::Kind kind);
+    enum Kind { Brush, Rectangle, Polygon };
+
+    MarkInteraction(BendStage &stage, Kind kind);
     /// Begins at the mouse.
     void begin();
     void cancel() override;
@@ -20,10 +22,15 @@ class MarkInteraction : public BendInteraction {
     void draw() const override;
 
   private:
+    std::vector<Eigen::Vector2d> outline() const;
+    void mark(const SeenPart::IsIn &isIn);
     void brush();
     void end();
 
-    BendMarking marking;
+    // In window coordinates:
+    Kind kind;
+    std::vector<Eigen::Vector2d> corners; ///< of a polygon; a rectangle's two opposite ones; a brush's last place
+    std::vector<float> depth;             ///< from depthOf, to mark visible vertices only; empty: all
 };
 
 #endif

@@ -58,10 +58,10 @@ bool BendTool::begin() {
     case BendPanel::Brush:
         if (!pick())
             return false;
-        goOn<MarkInteraction>(BendMarking::Brush).begin();
+        goOn<MarkInteraction>(MarkInteraction::Brush).begin();
         return true;
-    case BendPanel::Rectangle: goOn<MarkInteraction>(BendMarking::Rectangle).begin(); return true;
-    case BendPanel::Polyline: goOn<MarkInteraction>(BendMarking::Polygon).begin(); return true;
+    case BendPanel::Rectangle: goOn<MarkInteraction>(MarkInteraction::Rectangle).begin(); return true;
+    case BendPanel::Polyline: goOn<MarkInteraction>(MarkInteraction::Polygon).begin(); return true;
     }
     return false;
 }
