@@ -6,7 +6,6 @@
 
 #include "edit_fcd/kit/job_runner.h"
 #include "edit_fcd/fit/tool/overlay.h"
-#include "edit_fcd/fit/tool/weight_brush.h"
 #include "edit_fcd/fit/panel/panel.h"
 #include "edit_fcd/kit/layer_tool.h"
 #include "edit_fcd/kit/tool_window.h"
@@ -101,7 +100,14 @@ class FitTool : public LayerTool {
 
     QPointF pressed;
     std::optional<FitEnd> dragged;
-    std::optional<WeightBrush> stroke;
+    /// A stroke of the brush that paints weights.
+    struct Stroke {
+        int layer;                           ///< number
+        float weight;                        ///< as of FitSession::paint
+        std::vector<float> depth;            ///< from depthOf
+        std::optional<Eigen::Vector2d> from; ///< the last place, pixels of the device
+    };
+    std::optional<Stroke> stroke;
     FitPanel::Brush lastBrush = FitPanel::Carried; ///< the last one that paints
     std::unique_ptr<LayerOverlay> targetOverlay;
     int selected = -1; ///< pair

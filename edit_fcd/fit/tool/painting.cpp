@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/fit/tool/fit_tool.h"
 
+#include "edit_fcd/view/brush.h"
 #include "edit_fcd/view/distance_colors.h"
 #include "edit_fcd/view/layer_ray.h"
+#include <layer_fcd/layer_matrix.h>
 
 #include <algorithm>
+#include <utility>
 
 // The brush that paints weights, and the colours over the layers.
 
@@ -54,18 +57,29 @@ bool FitTool::beginStroke() {
     if (!on)
         return false;
     stopWork(); // it has other weights
-    stroke.emplace(*session, *on, panel->brush() == FitPanel::Counts ? 1.f : 0.f, *view, seen);
+    stroke = Stroke{on->id(), panel->brush() == FitPanel::Counts ? 1.f : 0.f, depthOf(*view, seen), {}};
+    session->beginStroke(*on);
     strokeTo();
     return true;
 }
 
+/// Paints the visible vertices near the mouse's path since the last call.
 void FitTool::strokeTo() {
     if (!stroke || !layer())
         return;
-    const MeshModel *on = view->md()->getMesh(stroke->layer());
+    const MeshModel *on = view->md()->getMesh(stroke->layer);
     if (!on)
         return;
-    stroke->moveTo(windowOfMouse().head<2>(), panel->brushSize() * view->devicePixelRatioF(), *on, seen);
+    const double radius = panel->brushSize() * view->devicePixelRatioF();
+    const Eigen::Vector2d to = windowOfMouse().head<2>(), from = std::exchange(stroke->from, to).value_or(to);
+    const SeenPart::IsIn isIn = [&](const Eigen::Vector2d &p) { return distanceToSegment(p, from, to) <= radius; };
+    const SeenPart part(seen, isIn, stroke->depth, session->restShape().diagonal());
+    const Eigen::Affine3d world = matrixOf(*on);
+    const auto isSeen = [&](std::size_t i) {
+        const CVertexO &vertex = on->cm.vert[i];
+        return !vertex.IsD() && part.has(world * toVector(vertex.cP()));
+    };
+    session->paint(slotsThat(on->cm.vert.size(), isSeen), stroke->weight);
     showCarried(*on);
     view->update();
 }
@@ -73,8 +87,8 @@ void FitTool::strokeTo() {
 void FitTool::endStroke() {
     if (!stroke)
         return;
-    const bool isChanged = stroke->end();
-    MeshModel *on = layer() ? view->md()->getMesh(stroke->layer()) : nullptr;
+    const bool isChanged = session->endStroke();
+    MeshModel *on = layer() ? view->md()->getMesh(stroke->layer) : nullptr;
     stroke.reset();
     isStepWanted = false;
     if (!on)
@@ -90,11 +104,15 @@ void FitTool::endStroke() {
 
 /// Colours what is carried along.
 void FitTool::showCarried(const MeshModel &on) {
-    std::vector<vcg::Color4b> colors;
+    FitWeights weights;
     try {
-        colors = colorsOfCarried(session->weightsOf(on));
+        weights = session->weightsOf(on);
     } catch (const vcg::fcd::Error &) { // the layer lacks weights; a pull reports that
     }
+    std::vector<vcg::Color4b> colors;
+    if (std::any_of(weights.begin(), weights.end(), [](float weight) { return !(weight >= 1); }))
+        for (const float weight : weights)
+            colors.emplace_back(150, 60, 200, (unsigned char)(weight >= 0 ? 170 * (1 - std::min(weight, 1.f)) : 170));
     LayerOverlay &over = &on == model ? *overlay : *targetOverlay;
     if (colors.empty())
         over.hide();
