@@ -11,6 +11,7 @@
 
 #include <QMenu>
 #include <QStyle>
+#include <QToolButton>
 
 std::optional<double> typedNumber(const QString &text) {
     const std::string word = text.trimmed().replace(',', '.').toStdString();
@@ -72,6 +73,20 @@ void ToolPanel::showState(const QString &said) {
     text->setText(said);
     const QWidget &room = *text->parentWidget();
     trace("text: %d of %d pixels", text->heightForWidth(room.width()), room.height());
+}
+
+QButtonGroup *addButtons(QBoxLayout &row, QWidget &panel, const std::vector<std::array<QString, 3>> &namesTextsTips) {
+    auto *group = new QButtonGroup(&panel);
+    for (const auto &[name, text, tip] : namesTextsTips) {
+        auto *made = named(new QToolButton, name, tip);
+        made->setText(text);
+        made->setCheckable(true);
+        group->addButton(made, group->buttons().size());
+        row.addWidget(made);
+    }
+    row.addStretch();
+    group->button(0)->setChecked(true);
+    return group;
 }
 
 void connectSlider(QSlider &slider, const std::function<void()> &begins, const std::function<void(int)> &changes) {

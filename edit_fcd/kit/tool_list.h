@@ -2,10 +2,13 @@
 #ifndef FCD_TOOL_LIST_H
 #define FCD_TOOL_LIST_H
 
+#include <array>
 #include <functional>
 #include <optional>
 #include <type_traits>
+#include <vector>
 
+#include <QButtonGroup>
 #include <QDockWidget>
 #include <QDoubleSpinBox>
 #include <QLabel>
@@ -72,6 +75,9 @@ class ToolPanel : public QDockWidget {
   private:
     QLabel *text;
 };
+
+/// Adds a row of buttons of which one is pressed; the first at the begin. Each is numbered by its place.
+QButtonGroup *addButtons(QBoxLayout &row, QWidget &panel, const std::vector<std::array<QString, 3>> &namesTextsTips);
 
 /// Calls \p begins once before a slider is moved, and \p changes with each value.
 void connectSlider(QSlider &slider, const std::function<void()> &begins, const std::function<void(int)> &changes);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/model/handles.h"
+#include "edit_fcd/bend/model/steps.h"
 
 #include <algorithm>
-#include <charconv>
 #include <utility>
 
 using vcg::fcd::MotionStep;
@@ -42,11 +42,7 @@ std::string shortMotionOf(const BendState &state, int tag) {
     std::string words;
     const std::vector<MotionStep> &steps = motionOf(state, tag);
     for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
-        const auto digits = [](double x) {
-            char number[32];
-            return std::string(number,
-                               std::to_chars(number, number + sizeof number, x, std::chars_format::general, 3).ptr);
-        };
+        const auto digits = [](double x) { return inDigits(x, 3); };
         if (!words.empty())
             words += ", ";
         switch (step->kind) {

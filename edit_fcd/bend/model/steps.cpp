@@ -41,11 +41,15 @@ bool setPlaces(std::vector<MotionStep> &steps, const Eigen::Vector3d &center) {
     return isSet;
 }
 
-double inFewDigits(double x) {
+std::string inDigits(double x, int digits) {
     char text[32];
-    const char *end = std::to_chars(text, text + sizeof text, x, std::chars_format::general, 6).ptr;
+    return std::string(text, std::to_chars(text, text + sizeof text, x, std::chars_format::general, digits).ptr);
+}
+
+double inFewDigits(double x) {
+    const std::string text = inDigits(x, 6);
     double y = x;
-    vcg::fcd::detail::ToNumber(text, end, y);
+    vcg::fcd::detail::ToNumber(text.data(), text.data() + text.size(), y);
     return y == 0 ? 0 : y; // no -0
 }
 

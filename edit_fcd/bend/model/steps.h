@@ -4,6 +4,7 @@
 
 #include <vcg_ext/handles/motion_text.h> // before Qt
 
+#include <string>
 #include <vector>
 
 /// The steps of a motion, up to rounding. \param center of the handle at rest, world
@@ -21,6 +22,8 @@ vcg::fcd::MotionStep mirroredStep(const vcg::fcd::MotionStep &step, const Eigen:
 std::vector<vcg::fcd::MotionStep> rigidSteps(const Eigen::Matrix3Xd &from, const Eigen::Matrix3Xd &to,
                                              const Eigen::Vector3d &middle, double least);
 
+/// A number with so many digits.
+std::string inDigits(double x, int digits);
 /// Rounds a number to few digits, as people write it.
 double inFewDigits(double x);
 Eigen::Vector3d inFewDigits(const Eigen::Vector3d &v);

@@ -47,9 +47,9 @@ BendPanel::BendPanel(QWidget *parent) : ToolPanel("FCD: Bend", "fcdBendPanel", 2
 }
 
 void BendPanel::addModes(QBoxLayout &column) {
-    modes = new QButtonGroup(this);
     auto *row = new QHBoxLayout;
     row->setSpacing(1); // one choice, no wider than the panel
+    std::vector<std::array<QString, 3>> buttons;
     const std::pair<const char *, const char *> textsAndTips[] = {
         // in the order of Mode, and of BendAction
         {"Drag",
@@ -61,15 +61,10 @@ void BendPanel::addModes(QBoxLayout &column) {
         {"Lasso", "Mark what is in a polygon: click its corners, double-click the last"},
         {"Straighten", "Straighten the layer along a line, or bend it along one: click points, or choose a layer"}};
     for (const auto &[text, tip] : textsAndTips) {
-        const int which = modes->buttons().size();
-        auto *button = named(new QToolButton, QString("mode%1").arg(which), bendActions().withKeys(tip, which));
-        button->setText(text);
-        button->setCheckable(true);
-        row->addWidget(button);
-        modes->addButton(button, which);
+        const int which = int(buttons.size());
+        buttons.push_back({QString("mode%1").arg(which), text, bendActions().withKeys(tip, which)});
     }
-    row->addStretch();
-    setMode(Drag);
+    modes = addButtons(*row, *this, buttons);
     column.addLayout(row);
 }
 

@@ -6,7 +6,6 @@
 #include <vcg_ext/base/words.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 using vcg::fcd::MotionStep;
@@ -191,10 +190,7 @@ std::string BendDrag::text(const Camera &view) const {
                                 : "degrees") +
                "; wheel: how far; Enter, Esc" + (what == Turn ? "; or drag along a limb" : "");
     const auto added = step(view);
-    const auto digits = [](double x) {
-        char number[32];
-        return std::string(number, std::to_chars(number, number + sizeof number, x, std::chars_format::general, 4).ptr);
-    };
+    const auto digits = [](double x) { return inDigits(x, 4); };
     if (what == Move)
         return text + " by " + digits(added ? added->vector.norm() : 0) + (onto ? ", to the other surface" : "");
     if (what == Turn || what == Limb)

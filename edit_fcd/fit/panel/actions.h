@@ -6,29 +6,14 @@
 
 /// The actions of keys in the view and of the panel's buttons.
 struct FitAction {
+    // clang-format off
     enum Id {
-        Undo,
-        Redo,
-        Remove,
-        Reset,
-        Pull,
-        Cancel,
-        InTurn, // these in the order of FitPanel::Seen
-        Both,
-        Source,
-        Target,
-        Brush,
-        OtherBrush,
-        ApplyInPlace,
-        ApplyToNew,
-        Load, // this and later ones have no key
-        Save,
-        Clear,
-        LoadCurves,
-        ClearCurves,
-        SaveSession,
-        LoadSession
+        Undo, Redo, Remove, Reset, Pull, Cancel,
+        InTurn, Both, Source, Target, // in the order of FitPanel::Seen
+        Brush, OtherBrush, ApplyInPlace, ApplyToNew,
+        Load, Save, Clear, LoadCurves, ClearCurves, SaveSession, LoadSession // without a key
     };
+    // clang-format on
 };
 
 const ActionTable &fitActions();

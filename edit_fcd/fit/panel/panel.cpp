@@ -38,20 +38,10 @@ QPushButton *FitPanel::button(const char *name, const QString &text, const QStri
     return made;
 }
 
-/// A row of buttons of which one is pressed.
 static QButtonGroup *choiceOf(FitPanel &panel, void (FitPanel::*chosen)(), QBoxLayout &row,
-                              const std::vector<std::array<const char *, 3>> &namesTextsTips) {
-    auto *group = new QButtonGroup(&panel);
-    for (const auto &[name, text, tip] : namesTextsTips) {
-        auto *made = named(new QToolButton, name, tip);
-        made->setText(text);
-        made->setCheckable(true);
-        group->addButton(made, group->buttons().size());
-        row.addWidget(made);
-    }
+                              const std::vector<std::array<QString, 3>> &namesTextsTips) {
+    QButtonGroup *group = addButtons(row, panel, namesTextsTips);
     QObject::connect(group, QOverload<QAbstractButton *>::of(&QButtonGroup::buttonClicked), &panel, chosen);
-    row.addStretch();
-    group->button(0)->setChecked(true);
     return group;
 }
 
