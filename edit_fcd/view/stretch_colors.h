@@ -4,31 +4,16 @@
 
 #include <layer_fcd/meshlab_host.h>
 
-#include <cstdint>
 #include <vector>
 
 /// The colour of a stretch by 2^exponent: blue for -1 or less (half as long), grey for 0, red for 1 or more (twice as
 /// long).
 vcg::Color4b colorOfStretch(double exponent);
 
-/// Colours a layer's vertices by the stretch of its surface.
-class StretchColors {
-  public:
-    explicit StretchColors(const MeshModel &layer);
-
-    /// One colour per vertex slot, by the mean TriangleStretch::Exponent() of its faces, weighed by their area at rest.
-    /// \param rest positions at rest, per vertex slot \param world linear part of the layer's matrix: stretch is that
-    /// in the world \param opacity [0, 255]
-    std::vector<vcg::Color4b> of(const std::vector<Point3m> &rest, const Eigen::Matrix3d &world, unsigned char opacity);
-
-  private:
-    void connect();
-
-    const MeshModel &layer;
-    std::vector<float> exponent, area; ///< of faces
-
-    // The faces of the vertex at each slot are those from begin[slot] to begin[slot + 1], ascending.
-    std::vector<std::uint32_t> begin, faceOf;
-};
+/// One colour per vertex slot, by the mean TriangleStretch::Exponent() of its faces, weighed by their area at rest.
+/// \param rest positions at rest, per vertex slot \param world linear part of the layer's matrix: stretch is that in
+/// the world \param opacity [0, 255]
+std::vector<vcg::Color4b> colorsOfStretch(const CMeshO &mesh, const std::vector<Point3m> &rest,
+                                          const Eigen::Matrix3d &world, unsigned char opacity);
 
 #endif

@@ -2,6 +2,7 @@
 #include "edit_fcd/bend/tool/mark_colors.h"
 
 #include "edit_fcd/bend/model/handles.h"
+#include "edit_fcd/view/stretch_colors.h"
 
 #include <layer_fcd/tagging.h>
 
@@ -23,10 +24,8 @@ bool MarkColors::isStretch(const BendSession &session) const {
 
 std::vector<vcg::Color4b> MarkColors::of(const BendSession &session) {
     if (isStretch(session)) {
-        if (!stretch)
-            stretch = std::make_unique<StretchColors>(layer);
         const RestGuard &rest = session.restShape();
-        std::vector<vcg::Color4b> color = stretch->of(rest.positions(), rest.world().linear(), opacity);
+        std::vector<vcg::Color4b> color = colorsOfStretch(layer.cm, rest.positions(), rest.world().linear(), opacity);
         const vcg::Color4b inContact(200, 0, 200, 255);
         const std::vector<double> &depth = session.contact().depth;
         for (std::size_t i = 0; i < depth.size(); ++i)

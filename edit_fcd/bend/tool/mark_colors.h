@@ -5,7 +5,6 @@
 #include "edit_fcd/bend/model/session.h" // before Qt
 
 #include "edit_fcd/view/layer_drawing.h"
-#include "edit_fcd/view/stretch_colors.h"
 
 #include <map>
 #include <optional>
@@ -52,11 +51,10 @@ class MarkColors {
 
     const MeshModel &layer;
     Extents previewed;
-    std::optional<Marked> marked;           ///< for which \a colored was computed
-    std::vector<std::uint32_t> colored;     ///< vertices with a colour by marks, ascending
-    std::vector<vcg::Color4b> colorOf;      ///< of each of these
-    std::unique_ptr<DrawnVertices> room;    ///< for tint()
-    std::unique_ptr<StretchColors> stretch; ///< null until it is shown
+    std::optional<Marked> marked;        ///< for which \a colored was computed
+    std::vector<std::uint32_t> colored;  ///< vertices with a colour by marks, ascending
+    std::vector<vcg::Color4b> colorOf;   ///< of each of these
+    std::unique_ptr<DrawnVertices> room; ///< for tint()
 };
 
 #endif
