@@ -372,6 +372,15 @@ TEST(SurfaceGraph, JoinsBordersAHairApart) {
     EXPECT_EQ(BuildSurfaceGraph(Read(MeshD(TwoGrids(0.5)))).report.gaps, 0) << "half an edge is no slit";
 }
 
+TEST(SurfaceGraph, JoinsLongTrianglesAHairApart) {
+    // Each corner at the end of two long edges, with many others within a tenth of these: all pairs were too many.
+    const int segments = sanitized ? 2000 : 20000;
+    const SurfaceGraph s = BuildSurfaceGraph(Read(MeshD(Jittered(Unwelded(Tube(3, segments)), 1e-7))));
+    EXPECT_EQ(s.graph.Size(), 3 * segments);
+    EXPECT_EQ(s.report.welded + s.report.seams, 9 * segments);
+    EXPECT_EQ(s.report.gaps, 0);
+}
+
 TEST(SurfaceGraph, DoesNotJoinWhatIsNoBorder) {
     // Two nearly coincident closed surfaces.
     const Shape sphere = Sphere(8, 12);

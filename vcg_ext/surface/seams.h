@@ -7,30 +7,23 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <memory>
 #include <utility>
 #include <vector>
 
 namespace vcg::fcd {
 
-/// Open borders of a surface of n nodes that run along each other.
-struct Seams {
-    std::vector<Index> into; ///< n, the smallest node that each is welded to, mostly itself; empty: no node is welded
-    Index joined = 0;        ///< nodes that are welded to a smaller one
-    Index gaps = 0;          ///< nodes not welded, though nearer to another border's node than a tenth of an edge
-};
+namespace detail {
 
-/// Finds the nodes on open borders to weld: those within \p distance of each other, if one of them is free or both are
-/// held by one tag. (If held ones were not welded, a held region of unwelded triangles would have single nodes along
-/// its border.) \param open n flags: nodes on open borders \param tag as of SurfaceGraph \param distance units of the
-/// graph's positions, >= 0 \param beside n flags, or empty: nodes that are welded to free ones only
-inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const std::vector<Index> &tag,
-                       double distance, const Progress &progress = {}, const std::vector<char> &beside = {}) {
-    Seams seams;
-    // Sort the nodes along one of three oblique directions: the one in which they reach farthest, so that few of them
-    // share a position along it.
+constexpr float alongRounding = 2e-7f; // of positions along a direction
+
+/// The one of three oblique directions in which nodes on open borders reach farthest, so that few of them share a
+/// position along it.
+inline Eigen::Vector3f DirectionOf(const Graph &graph, const std::vector<char> &open) {
     Eigen::Vector3f direction = Eigen::Vector3f::Zero();
     float farthest = -1;
     for (const Eigen::Vector3f &each :
@@ -45,6 +38,62 @@ inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const 
             direction = each.normalized();
         }
     }
+    return direction;
+}
+
+} // namespace detail
+
+/// Nodes of a surface to weld, as open borders run along each other.
+struct Seams {
+    std::vector<Index> into; ///< per node, the smallest one that it is welded to, mostly itself; empty: none is welded
+    Index joined = 0;        ///< nodes that are welded to a smaller one
+};
+
+/// Finds the nodes on open borders to weld: those within \p distance of each other, if one of them is free or both are
+/// held by one tag. (If held ones were not welded, a held region of unwelded triangles would have single nodes along
+/// its border.) \param open flag of each node: it is on an open border \param tag as of SurfaceGraph \param distance
+/// units of the graph's positions, >= 0 \param beside flag of each node, or empty: it is welded to free ones only
+inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const std::vector<Index> &tag,
+                       double distance, const Progress &progress = {}, const std::vector<char> &beside = {}) {
+    const Eigen::Vector3f direction = detail::DirectionOf(graph, open);
+    std::vector<std::pair<float, Index>> place; // position in the direction, and node
+    for (Index u = 0; u < graph.Size(); ++u)
+        if (open[u])
+            place.emplace_back(direction.dot(graph.position.col(u)), u);
+    std::sort(place.begin(), place.end());
+    const auto isFree = [&](Index u) { return tag.empty() || tag[u] == 1; };
+    const auto isBeside = [&](Index u) { return !beside.empty() && beside[u]; };
+    const float reach = float(distance) + detail::alongRounding;
+    const auto pairs = CollectInOrder<std::pair<Index, Index>>(
+        progress, readingStage, Index(place.size()), [&](Index i, std::vector<std::pair<Index, Index>> &found) {
+            const auto [along, u] = place[std::size_t(i)];
+            for (std::size_t j = std::size_t(i) + 1; j < place.size() && place[j].first - along <= reach; ++j) {
+                const Index v = place[j].second;
+                const bool areHeld = !isFree(u) && !isFree(v);
+                if (areHeld && (tag[u] != tag[v] || isBeside(u) || isBeside(v)))
+                    continue;
+                if ((graph.position.col(v) - graph.position.col(u)).norm() <= distance)
+                    found.emplace_back(u, v);
+            }
+        });
+    Seams seams;
+    if (pairs.empty())
+        return seams;
+    DisjointSets joined(graph.Size());
+    for (const auto &[u, v] : pairs)
+        joined.Join(u, v);
+    seams.into = joined.TakeRoots();
+    for (Index u = 0; u < graph.Size(); ++u)
+        seams.joined += seams.into[u] != u;
+    return seams;
+}
+
+/// Counts the nodes on open borders that are nearer to another border's node than a tenth of the shortest edge of
+/// both, after seams are welded. One of the two is free. (Before, a corner of a long triangle would have long edges
+/// alone, and many nodes within a tenth of these.) \param open, tag as of FindSeams
+inline Index CountGaps(const Graph &graph, const std::vector<char> &open, const std::vector<Index> &tag,
+                       const Progress &progress = {}) {
+    const Eigen::Vector3f direction = detail::DirectionOf(graph, open);
     struct Place {
         float along, reach; // along: position in the direction; reach: a tenth of the shortest edge
         Index node, first;  // first: its first neighbour, or -1
@@ -67,7 +116,6 @@ inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const 
         place[i].others = i + 1 < place.size() && place[i + 1].first == place[i].first ? place[i + 1].others : i + 1;
 
     const auto isFree = [&](Index u) { return tag.empty() || tag[u] == 1; };
-    const auto isBeside = [&](Index u) { return !beside.empty() && beside[u]; };
     const auto areNeighbours = [&](Index u, Index v) { // or have a common neighbour
         if (graph.adjacency[u].size() > graph.adjacency[v].size())
             std::swap(u, v); // the centre of a fan has very many
@@ -75,48 +123,26 @@ inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const 
         return std::any_of(few.begin(), few.end(),
                            [&](Index w) { return w == v || std::binary_search(many.begin(), many.end(), w); });
     };
-    struct Pair {
-        Index u, v;
-        bool same;
-    };
-    const std::vector<Pair> pairs =
-        CollectInOrder<Pair>(progress, readingStage, Index(place.size()), [&](Index i, std::vector<Pair> &found) {
+    const std::unique_ptr<std::atomic<bool>[]> isAtGap(new std::atomic<bool>[place.size()]());
+    ParallelFor(progress, readingStage, place.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
             const Place &a = place[i];
-            const Eigen::Vector3f p = graph.position.col(a.node);
-            const float hair = float(distance) + 2e-7f, reach = std::max(a.reach + 2e-7f, hair); // rounding
-            for (std::size_t j = std::size_t(i) + 1; j < place.size() && place[j].along - a.along <= reach; ++j) {
+            const float reach = a.reach + detail::alongRounding;
+            for (std::size_t j = i + 1; j < place.size() && place[j].along - a.along <= reach; ++j) {
                 const Place &b = place[j];
-                if (b.first == a.first && b.along - a.along > hair) { // a common neighbour: no gap
+                if (b.first == a.first) { // a common neighbour: no gap
                     j = b.others - 1;
                     continue;
                 }
-                const bool areHeld = !isFree(a.node) && !isFree(b.node);
-                if (areHeld && (tag[a.node] != tag[b.node] || isBeside(a.node) || isBeside(b.node)))
+                if ((isAtGap[i] && isAtGap[j]) || (!isFree(a.node) && !isFree(b.node)))
                     continue;
-                const float d = (graph.position.col(b.node) - p).norm();
-                const bool same = d <= distance;
-                if (same || (!areHeld && d <= std::min(a.reach, b.reach) && !areNeighbours(a.node, b.node)))
-                    found.push_back({std::min(a.node, b.node), std::max(a.node, b.node), same});
+                const float d = (graph.position.col(b.node) - graph.position.col(a.node)).norm();
+                if (d <= std::min(a.reach, b.reach) && !areNeighbours(a.node, b.node))
+                    isAtGap[i] = isAtGap[j] = true;
             }
-        });
-    if (pairs.empty())
-        return seams;
-    DisjointSets joined(graph.Size());
-    for (const Pair &p : pairs)
-        if (p.same)
-            joined.Join(p.u, p.v);
-    std::vector<Index> into = joined.TakeRoots();
-    std::vector<char> gap(graph.Size(), 0);
-    for (const Pair &p : pairs)
-        if (!p.same && into[p.u] != into[p.v])
-            gap[p.u] = gap[p.v] = 1;
-    for (Index u = 0; u < graph.Size(); ++u) {
-        seams.joined += into[u] != u;
-        seams.gaps += gap[u] && into[u] == u;
-    }
-    if (seams.joined > 0)
-        seams.into = std::move(into);
-    return seams;
+        }
+    });
+    return Index(std::count(isAtGap.get(), isAtGap.get() + place.size(), true));
 }
 
 } // namespace vcg::fcd

@@ -134,9 +134,11 @@ class SurfaceReader {
             TriangleGraph connected = ConnectTriangles(x, list.corner.get(), list.count, progress.Slice(0.5, 0.9));
             s.graph.adjacency = std::move(connected.adjacency);
             if (hasSeams && JoinSeams(connected.open, list)) {
-                connected = ConnectTriangles(x, list.corner.get(), list.count, progress.Slice(0.92, 1));
+                connected = ConnectTriangles(x, list.corner.get(), list.count, progress.Slice(0.92, 0.98));
                 s.graph.adjacency = std::move(connected.adjacency);
             }
+            if (hasSeams)
+                s.report.gaps = CountGaps(s.graph, connected.open, s.tag, progress.Slice(0.98, 1));
             s.nodeArea = std::move(connected.area);
             s.report.nonManifoldEdges = connected.nonManifoldEdges;
             s.report.repeatedFaces = connected.repeatedFaces;
@@ -178,7 +180,6 @@ class SurfaceReader {
             open[u] |= near[u];
         Seams seams = FindSeams(s.graph, open, s.tag, weldDistance, progress.Slice(0.9, 0.92), near);
         s.report.seams = seams.joined;
-        s.report.gaps = seams.gaps;
         if (seams.joined == 0 && std::find(near.begin(), near.end(), 1) == near.end())
             return false;
         JoinNodes(std::move(seams.into), near);
