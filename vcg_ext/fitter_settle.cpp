@@ -28,7 +28,7 @@ constexpr double stiffer = 3, noiseLeft = 0.6, mostNoise = 1.07, comesOff = 0.00
 constexpr int stifferTimes = 4, stifferSteps = 6;
 constexpr double strongNoise = 0.001;
 // A gap is made as stiff as the surface around it allows: its distance from the target may grow by this factor
-// (Morozov's discrepancy principle).
+// (Morozov's discrepancy principle), and it may not move farther than that, which tells what slides along the target.
 constexpr double mostMisfit = 1.2;
 constexpr int gapSteps = 6;
 
@@ -124,6 +124,7 @@ void Fitter::Run::StiffenGaps(const std::vector<double> &end, const Progress &pr
     const FitGaps gaps(region, *matches, samples);
     const double bearable = std::max(mostMisfit * gaps.Misfit(*matches), FitMatches::least);
     const GraphPose without = graph;
+    const std::vector<Eigen::Vector3d> arrived = samples.Places(matched, graph);
     bool isStiff = !gaps.Any();
     for (double stiff = stiffest; !isStiff; stiff /= 10) {
         graph = without;
@@ -133,7 +134,8 @@ void Fitter::Run::StiffenGaps(const std::vector<double> &end, const Progress &pr
                 progress(0.95, "Fitting");
         }
         Find(1);
-        isStiff = stiff <= 2 * least || gaps.Misfit(*matches) <= bearable;
+        isStiff = stiff <= 2 * least || (gaps.Misfit(*matches) <= bearable &&
+                                         gaps.Moved(arrived, samples.Places(matched, graph)) <= bearable);
     }
     fitter.Measure(*matches, report);
 }

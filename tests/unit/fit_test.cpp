@@ -537,6 +537,28 @@ Shape Lumpy(int around) {
     return ball;
 }
 
+/// What lies above a plane across an axis.
+Shape Above(Shape shape, double least, int axis = 2) {
+    shape.face.erase(std::remove_if(shape.face.begin(), shape.face.end(),
+                                    [&](const auto &face) {
+                                        return std::any_of(face.begin(), face.end(), [&](int i) {
+                                            return shape.position[std::size_t(i)][axis] <= least;
+                                        });
+                                    }),
+                     shape.face.end());
+    return shape;
+}
+
+// Stiff, it would draw the rim along the target, which no distance tells, and then be off by 0.0105.
+TEST(Fit, WhatHasNoCounterpartDrawsNothingAlong) {
+    if (sanitized)
+        return; // it needs many samples
+    const Shape from = Lumpy(40), belongs = Rolled(from, 0.1);
+    const double cut = -1;
+    const Fitted fitted = Fit(from, Above(Rolled(Lumpy(57), 0.1), cut));
+    EXPECT_LT(Rms(fitted, belongs, [&](std::size_t i) { return belongs.position[i][2] < cut; }), 0.0092);
+}
+
 // For a large surface this takes a second, and can be cancelled.
 TEST(Fit, ComparingSidesCanBeCancelled) {
     const int n = 100000;

@@ -62,4 +62,11 @@ double FitGaps::Misfit(const FitMatches &matches) const {
     return std::sqrt(sum / double(std::max<std::size_t>(around.size(), 1)));
 }
 
+double FitGaps::Moved(const std::vector<Eigen::Vector3d> &before, const std::vector<Eigen::Vector3d> &now) const {
+    double sum = 0;
+    for (std::size_t s : around)
+        sum += (now[s] - before[s]).squaredNorm();
+    return std::sqrt(sum / double(std::max<std::size_t>(around.size(), 1)));
+}
+
 } // namespace vcg::fcd

@@ -22,6 +22,8 @@ class FitGaps {
     std::vector<double> Stiffness(std::vector<double> soft, double stiff) const;
     /// Rms distance from the target of the samples around the gaps that were matched at construction, frame units.
     double Misfit(const FitMatches &matches) const;
+    /// How far these samples have moved, rms, frame units. \param before, now position of each sample
+    double Moved(const std::vector<Eigen::Vector3d> &before, const std::vector<Eigen::Vector3d> &now) const;
 
   private:
     std::vector<double> gap;         ///< of each node of the graph, [0, 1]; 1: in a gap
