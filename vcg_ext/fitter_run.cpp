@@ -25,21 +25,6 @@ constexpr double hurry = 2, onItsWay = 1e-3;
 // then tells: with a limb that is found, more of the source lies on the target, and nothing is left; surface that is
 // drawn over what the source lacks comes off elsewhere.
 constexpr double mostUnreached = 0.002;
-// The share of surface and target that decides about a doubted landmark. One that tears the surface is right if it
-// brings so much more of them onto each other; one that only strains it is wrong if leaving it out does. A limb has at
-// least a patch, and a patch of 150 has two thirds of this.
-constexpr double aLimb = 0.01;
-// Strain of edges (rms) above which other starts are tried, and the share of it that another start may have, unless the
-// surface is nearer so at rest. Shapes made by formula had 0.36 and more if they lay turned, a head that lay turned by
-// 60 degrees 0.23, and a hand with touching fingers that lay right 0.19.
-constexpr double pressed = 0.2, farLess = 0.5;
-// Below this strain the surface lies the right way round. Shapes made by formula, and scans with holes, that lay right
-// had at most 0.09; a tube that lay turned by 90 degrees had 0.13.
-constexpr double unstrained = 0.1;
-// Other starts are also tried if the edges grow or shrink by more than this share: the target has another size. Of
-// shapes made by formula and bent by up to 80 degrees, the right size let them grow by 0.005 at most.
-constexpr double grows = 0.1;
-
 // Ends of limbs are looked for among so many points of each surface, about a hundredth of the diagonal apart. An end is
 // known to two of these distances; five is elsewhere. Ends lead for half of the fit: then the surface is near, and the
 // points beside them tell more.
@@ -193,66 +178,6 @@ void Fitter::Run::Lay(const Progress &progress) {
     }
     FitAgain(progress.Slice(0.8, 0.9));
     StiffenGaps(Settle(progress), progress);
-}
-
-/// Tries other starts; keeps one if the surface is far less strained, or less if it is nearer at rest, and as much of
-/// it lies on the target, or as little of that is unreached (all of a part may lie on the surface). The fit then begins
-/// anew from where most of the surface went, with the scale that it found.
-void Fitter::Run::TryOtherStarts(const Progress &progress) {
-    const double strained = StrainOf(region, graph);
-    if (strained < unstrained || !fitter.MayBegin(report, isLed))
-        return;
-    const double on = OnIt() - aLimb, unreached = matches->Unreached() + aLimb;
-    const bool isPressed = strained > pressed;
-    std::vector<OtherStart> starts = OtherStarts(samples.Places(matched, asItLies), fitter.sampleNormal, target,
-                                                 MotionOfMost(asItLies.position, graph.position, 1),
-                                                 isPressed || std::abs(GrowthOf(region, graph) - 1) > grows, threads);
-    if (starts.empty())
-        return;
-    ends.clear();                               // they belong to the old start
-    const std::size_t most = starts.size() + 3; // with those of tryScaled
-    const auto scaleOf = [](const Eigen::Affine3d &motion) { return motion.linear().col(0).norm(); };
-    // If one scale explains most of the strain of the present fit, that is the next start.
-    const auto tryScaled = [&](std::size_t next) {
-        const double growth = GrowthOf(region, graph);
-        if (std::abs(growth - 1) > grows && StrainOf(region, Grown(graph, growth)) < farLess * StrainOf(region, graph))
-            starts.insert(starts.begin() + std::ptrdiff_t(next),
-                          {MotionOfMost(asItLies.position, graph.position, growth), false});
-    };
-    tryScaled(0);
-    Kept asItLay = SetAside();
-    const GraphPose first = start;
-    double least = strained;
-    bool isFound = false;
-    Eigen::Affine3d began = Eigen::Affine3d::Identity();
-    for (std::size_t m = 0; m < starts.size() && !(isFound && least < farLess * std::max(farLess * strained, pressed));
-         ++m) {
-        const auto [motion, isNearer] = starts[m]; // a copy: starts grows
-        const bool isScaled = std::abs(scaleOf(motion) - 1) > grows;
-        start = Moved(asItLies, motion);
-        Draw(progress.Slice(0.75 * double(m) / double(most), 0.75 * double(m + 1) / double(most)));
-        if (!isScaled)
-            tryScaled(m + 1);
-        if (const double strain = StrainOf(region, graph); strain < least &&
-                                                           (isNearer || strain < farLess * strained) &&
-                                                           (OnIt() >= on || matches->Unreached() <= unreached)) {
-            least = strain;
-            isFound = true;
-            began = MotionOfMost(asItLies.position, graph.position,
-                                 isScaled ? scaleOf(motion) * GrowthOf(region, graph) : 1);
-        }
-    }
-    if (isFound) {
-        report = asItLay.report;
-        start = Moved(asItLies, began);
-        Lay(progress.Slice(0.75, 1));
-        report.scaledBy = scaleOf(began);
-        report.turnedBy = detail::ArcCosine((began.linear().trace() / report.scaledBy - 1) / 2);
-    } else {
-        TakeBack(std::move(asItLay));
-        start = first;
-        report.strained = isPressed ? strained : 0;
-    }
 }
 
 /// Tries the fit without the doubted landmarks, and decides about each: a right one brings more of the surface onto the

@@ -34,6 +34,10 @@ class Fitter::Run {
     // At rest if no more than this is left to move (of the diagonal, rms): a tenth of the error of fits to clean scans.
     // Or if a step is no longer than this: a smooth shape may slide along itself for hundreds of steps.
     static constexpr double rest = 1e-4;
+    // The share of surface and target that decides about a doubted landmark. One that tears the surface is right if it
+    // brings so much more of them onto each other; one that only strains it is wrong if leaving it out does. A limb has
+    // at least a patch, and a patch of 150 has two thirds of this.
+    static constexpr double aLimb = 0.01;
 
     /// A fit that is set aside while another one is tried.
     struct Kept {
@@ -67,6 +71,8 @@ class Fitter::Run {
     void StiffenGaps(const std::vector<double> &end, const Progress &progress);
     void Lay(const Progress &progress);
     double OnIt() const { return report.matched - matches->Unreached(); }
+    double Growth() const;
+    Eigen::Affine3d MotionOfMatched(double factor) const;
     void TryOtherStarts(const Progress &progress);
     void TryWithout(const std::vector<Contradiction> &doubted, const Progress &progress);
     void Finish(const Progress &progress);

@@ -27,9 +27,8 @@ std::vector<double> Beside(const Csr &adjacency, const std::vector<double> &valu
 
 } // namespace
 
-FitGaps::FitGaps(const RegionDeformer &deformer, const FitMatches &matches, const FitSamples &samples) {
-    const Graph &graph = deformer.graph.graph;
-    std::vector<double> all(std::size_t(graph.Size()), 0), share = all;
+std::vector<double> MatchedShares(std::size_t nodes, const FitMatches &matches, const FitSamples &samples) {
+    std::vector<double> all(nodes, 0), share = all;
     for (std::size_t s = 0; s < samples.Size(); ++s)
         for (std::uint32_t t = samples.begin[s]; t < samples.begin[s + 1]; ++t) {
             all[std::size_t(samples.term[t].node)] += samples.term[t].weight;
@@ -37,6 +36,12 @@ FitGaps::FitGaps(const RegionDeformer &deformer, const FitMatches &matches, cons
         }
     for (std::size_t j = 0; j < all.size(); ++j)
         share[j] = all[j] > 0 ? share[j] / all[j] : 0;
+    return share;
+}
+
+FitGaps::FitGaps(const RegionDeformer &deformer, const FitMatches &matches, const FitSamples &samples) {
+    const Graph &graph = deformer.graph.graph;
+    std::vector<double> share = MatchedShares(std::size_t(graph.Size()), matches, samples);
     for (int i = 0; i < 2 * widest + margin; ++i)
         share = Beside(graph.adjacency, share, i >= widest);
     gap = share;

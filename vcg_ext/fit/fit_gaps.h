@@ -10,6 +10,9 @@
 
 namespace vcg::fcd {
 
+/// Of each node of a graph: the share of the samples it leads that count as matches, by their weights, [0, 1].
+std::vector<double> MatchedShares(std::size_t nodes, const FitMatches &matches, const FitSamples &samples);
+
 /// The gaps of a fit: surface without a counterpart that is wider than a hole. Found from the present matches.
 class FitGaps {
   public:

@@ -189,18 +189,25 @@ static void ForMovedEdges(const DeformationGraph &graph, const GraphPose &pose, 
         }
 }
 
-double StrainOf(const RegionDeformer &deformer, const GraphPose &pose) {
+/// How much an edge counts by the shares of its ends; fully if there are none.
+static double ShareOf(const std::vector<double> &share, Index i, Index j) {
+    return share.empty() ? 1 : share[std::size_t(i)] * share[std::size_t(j)];
+}
+
+double StrainOf(const RegionDeformer &deformer, const GraphPose &pose, const std::vector<double> &share) {
     double off = 0, all = 0;
     ForMovedEdges(deformer.graph, pose, [&](double weight, const Eigen::Vector3d &edge, Index i, Index j) {
+        weight *= ShareOf(share, i, j);
         off += weight * (pose.position.col(i) + edge - pose.position.col(j)).squaredNorm();
         all += weight * edge.squaredNorm();
     });
     return all > 0 ? std::sqrt(off / all) : 0;
 }
 
-double GrowthOf(const RegionDeformer &deformer, const GraphPose &pose) {
+double GrowthOf(const RegionDeformer &deformer, const GraphPose &pose, const std::vector<double> &share) {
     double along = 0, all = 0;
     ForMovedEdges(deformer.graph, pose, [&](double weight, const Eigen::Vector3d &edge, Index i, Index j) {
+        weight *= ShareOf(share, i, j);
         along += weight * edge.dot(pose.position.col(j) - pose.position.col(i));
         all += weight * edge.squaredNorm();
     });

@@ -44,12 +44,13 @@ std::vector<OtherStart> OtherStarts(const std::vector<Eigen::Vector3d> &points,
                                     const Eigen::Affine3d &reached, bool isPressed, unsigned threads);
 
 /// The rms strain of a graph's edges in a pose: the square root of the first part of Eq. 2, over its value if all edges
-/// shrank to nothing.
-double StrainOf(const RegionDeformer &deformer, const GraphPose &pose);
+/// shrank to nothing. \param share of each node that counts, [0, 1]: edges count by those of both ends; empty: all
+/// count
+double StrainOf(const RegionDeformer &deformer, const GraphPose &pose, const std::vector<double> &share = {});
 
 /// The factor by which a graph's edges have grown in a pose beyond its maps: the one that leaves the least strain; 1 if
-/// there are no edges.
-double GrowthOf(const RegionDeformer &deformer, const GraphPose &pose);
+/// there are no edges. \param share as of StrainOf
+double GrowthOf(const RegionDeformer &deformer, const GraphPose &pose, const std::vector<double> &share = {});
 
 /// The motion with this scale that takes most points nearest to where they went: others, such as a bent limb, count
 /// little (Geman and McClure 1987). \param from, to frame units

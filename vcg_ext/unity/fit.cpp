@@ -23,3 +23,4 @@
 #include <vcg_ext/fitter_report.cpp>          // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fitter_run.cpp>             // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/fitter_settle.cpp>          // NOLINT(bugprone-suspicious-include)
+#include <vcg_ext/fitter_starts.cpp>          // NOLINT(bugprone-suspicious-include)

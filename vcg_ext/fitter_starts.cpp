@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Other starts of a fit, where layers lie turned or are of another size.
+#include <vcg_ext/base/elementary.h>
+#include <vcg_ext/fit/fit_gaps.h>
+#include <vcg_ext/fit/fit_start.h>
+#include <vcg_ext/fitter_run.h>
+
+#include <cmath>
+#include <utility>
+
+namespace vcg::fcd {
+
+namespace {
+
+// Strain of edges (rms) above which other starts are tried, and the share of it that another start may have, unless the
+// surface is nearer so at rest. Shapes made by formula had 0.36 and more if they lay turned, a head that lay turned by
+// 60 degrees 0.23, and a hand with touching fingers that lay right 0.19.
+constexpr double pressed = 0.2, farLess = 0.5;
+// Below this strain the surface lies the right way round. Shapes made by formula, and scans with holes, that lay right
+// had at most 0.09; a tube that lay turned by 90 degrees had 0.13.
+constexpr double unstrained = 0.1;
+// Other starts are also tried if the edges grow or shrink by more than this share: the target has another size. Of
+// shapes made by formula and bent by up to 80 degrees, the right size let them grow by 0.005 at most.
+constexpr double grows = 0.1;
+
+} // namespace
+
+/// The factor by which the matched surface has grown beyond its maps.
+double Fitter::Run::Growth() const { return GrowthOf(region, graph, MatchedShares(isFree.size(), *matches, samples)); }
+
+/// The motion with this scale that takes most of the matched nodes nearest to where they went; of all nodes, where too
+/// few are matched.
+Eigen::Affine3d Fitter::Run::MotionOfMatched(double factor) const {
+    const std::vector<double> share = MatchedShares(isFree.size(), *matches, samples);
+    Eigen::Matrix3Xd from = asItLies.position, to = graph.position;
+    Eigen::Index n = 0;
+    for (std::size_t j = 0; j < share.size(); ++j)
+        if (share[j] >= 0.5) {
+            from.col(n) = asItLies.position.col(Eigen::Index(j));
+            to.col(n++) = graph.position.col(Eigen::Index(j));
+        }
+    return n < 4 ? MotionOfMost(asItLies.position, graph.position, factor)
+                 : MotionOfMost(from.leftCols(n), to.leftCols(n), factor);
+}
+
+/// Tries other starts; keeps one if the surface is far less strained, or less if it is nearer at rest, and as much of
+/// it lies on the target, or as little of that is unreached (all of a part may lie on the surface). The fit then begins
+/// anew from where most of the surface went, with the scale that it found.
+void Fitter::Run::TryOtherStarts(const Progress &progress) {
+    const double strained = StrainOf(region, graph);
+    if (strained < unstrained || !fitter.MayBegin(report, isLed))
+        return;
+    const double on = OnIt() - aLimb, unreached = matches->Unreached() + aLimb;
+    const bool isPressed = strained > pressed;
+    std::vector<OtherStart> starts = OtherStarts(samples.Places(matched, asItLies), fitter.sampleNormal, target,
+                                                 MotionOfMost(asItLies.position, graph.position, 1),
+                                                 isPressed || std::abs(Growth() - 1) > grows, threads);
+    if (starts.empty())
+        return;
+    ends.clear();                               // they belong to the old start
+    const std::size_t most = starts.size() + 3; // with those of tryScaled
+    const auto scaleOf = [](const Eigen::Affine3d &motion) { return motion.linear().col(0).norm(); };
+    // If one scale explains most of the strain of the matched surface, that is the next start. So it is at first, and
+    // as long as a scaled start is less strained: a part of a target tells its scale step by step.
+    const auto tryScaled = [&](std::size_t next, double from, bool isOnItsWay) {
+        const std::vector<double> share = MatchedShares(isFree.size(), *matches, samples);
+        const double growth = GrowthOf(region, graph, share);
+        if (starts.size() < most && std::abs(growth - 1) > (from == 1 ? grows : grows / 2) &&
+            (isOnItsWay || StrainOf(region, Grown(graph, growth), share) < farLess * StrainOf(region, graph, share)))
+            starts.insert(starts.begin() + std::ptrdiff_t(next), {MotionOfMatched(from * growth), false});
+    };
+    tryScaled(0, 1, true);
+    Kept asItLay = SetAside();
+    const GraphPose first = start;
+    double least = strained;
+    bool isFound = false;
+    Eigen::Affine3d began = Eigen::Affine3d::Identity();
+    for (std::size_t m = 0; m < starts.size() && !(isFound && least < farLess * std::max(farLess * strained, pressed));
+         ++m) {
+        const auto [motion, isNearer] = starts[m]; // a copy: starts grows
+        const bool isScaled = std::abs(scaleOf(motion) - 1) > grows;
+        start = Moved(asItLies, motion);
+        Draw(progress.Slice(0.75 * double(m) / double(most), 0.75 * double(m + 1) / double(most)));
+        tryScaled(m + 1, scaleOf(motion), isScaled && StrainOf(region, graph) < strained);
+        if (const double strain = StrainOf(region, graph); strain < least &&
+                                                           (isNearer || strain < farLess * strained) &&
+                                                           (OnIt() >= on || matches->Unreached() <= unreached)) {
+            least = strain;
+            isFound = true;
+            began = MotionOfMatched(isScaled ? scaleOf(motion) * Growth() : 1);
+        }
+    }
+    if (isFound) {
+        report = asItLay.report;
+        start = Moved(asItLies, began);
+        Lay(progress.Slice(0.75, 1));
+        report.scaledBy = scaleOf(began);
+        report.turnedBy = detail::ArcCosine((began.linear().trace() / report.scaledBy - 1) / 2);
+    } else {
+        TakeBack(std::move(asItLay));
+        start = first;
+        report.strained = isPressed ? strained : 0;
+    }
+}
+
+} // namespace vcg::fcd
