@@ -119,7 +119,7 @@ struct FitReport {
     bool isSureFromAfar = true; ///< false: another rotation fits nearly as well
     std::size_t endsLed = 0;    ///< ends of limbs that led the fit at first, since it then fits better; 0: none
     double turnedBy = 0;        ///< radians by which the surface was first turned, by its axes, for far less strain
-    double scaledBy = 1;        ///< the factor by which it was scaled then
+    double scaledBy = 1;        ///< the factor by which it was scaled then, and by the fit
     double strained = 0;        ///< rms change of edge lengths, a fraction, if it is so large that the layers may lie
                                 ///< turned, and no better start was found; else 0
     bool otherSize = false;     ///< the target is so much larger or smaller that the fit cannot be trusted

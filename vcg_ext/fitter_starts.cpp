@@ -73,7 +73,7 @@ void Fitter::Run::TryOtherStarts(const Progress &progress) {
     Kept asItLay = SetAside();
     const GraphPose first = start;
     double least = strained;
-    bool isFound = false;
+    bool isFound = false, isFoundScaled = false;
     Eigen::Affine3d began = Eigen::Affine3d::Identity();
     for (std::size_t m = 0; m < starts.size() && !(isFound && least < farLess * std::max(farLess * strained, pressed));
          ++m) {
@@ -87,6 +87,7 @@ void Fitter::Run::TryOtherStarts(const Progress &progress) {
                                                            (OnIt() >= on || matches->Unreached() <= unreached)) {
             least = strain;
             isFound = true;
+            isFoundScaled = isScaled;
             began = MotionOfMatched(isScaled ? scaleOf(motion) * Growth() : 1);
         }
     }
@@ -94,8 +95,9 @@ void Fitter::Run::TryOtherStarts(const Progress &progress) {
         report = asItLay.report;
         start = Moved(asItLies, began);
         Lay(progress.Slice(0.75, 1));
-        report.scaledBy = scaleOf(began);
-        report.turnedBy = detail::ArcCosine((began.linear().trace() / report.scaledBy - 1) / 2);
+        const double scale = scaleOf(began);
+        report.scaledBy = isFoundScaled ? scale * Growth() : 1; // the fit tells the rest of it
+        report.turnedBy = detail::ArcCosine((began.linear().trace() / scale - 1) / 2);
     } else {
         TakeBack(std::move(asItLay));
         start = first;

@@ -1060,7 +1060,7 @@ TEST(Fit, FindsTheScaleOfWhatIsBent) {
     const Eigen::Affine3d larger(Eigen::Scaling(times));
     const Fitted fitted = Fit(from, Moved(to, larger));
     EXPECT_LT(Rms(fitted, Moved(belongs, larger)), 1.1 * times * straight);
-    EXPECT_NEAR(fitted.report.scaledBy, times, 0.025 * times);
+    EXPECT_NEAR(fitted.report.scaledBy, times, 0.01 * times);
     const std::string said = Joined(fitted.report.Remarks());
     EXPECT_NE(said.find("scaled by"), std::string::npos);
     EXPECT_EQ(said.find("turned by"), std::string::npos);
