@@ -187,9 +187,9 @@ void Fitter::Run::TryWithout(const std::vector<Contradiction> &doubted, const Pr
     Kept kept = SetAside();
     for (const Contradiction &each : doubted)
         leads[each.landmark] = 0;
+    report.contradicted.clear();
     Lay(progress);
     const double enough = std::max({tolerance, noHand, 3 * report.nearest / scale});
-    report.contradicted.clear();
     for (const auto &[l, strain] : doubted) {
         leads[l] = (drawn.At(matched + l, graph) - place[l]).norm() <= enough;
         if (!leads[l] && (isAlone || OnIt() >= withAll + (strain >= tornStrain ? -aLimb : aLimb)))
@@ -232,9 +232,9 @@ Deformer::Pose Fitter::Run::Solve(const Progress &progress) {
     const std::vector<Contradiction> doubted =
         fitter.Doubted(drawn, matched, place, isFree, graph, progress.Slice(0.05, 0.1));
     const bool isTried = !doubted.empty() && (!isAlone || tolerance > 0);
-    Lay(progress.Slice(0.1, isTried ? 0.5 : 0.9));
     for (const Contradiction &each : doubted)
         report.contradicted.push_back(each.landmark);
+    Lay(progress.Slice(0.1, isTried ? 0.5 : 0.9));
     TryOtherStarts(progress.Slice(0.9, 0.98));
     if (isTried)
         TryWithout(doubted, progress.Slice(0.5, 0.98));

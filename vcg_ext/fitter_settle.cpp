@@ -125,6 +125,7 @@ void Fitter::Run::StiffenGaps(const std::vector<double> &end, const Progress &pr
     const double bearable = std::max(mostMisfit * gaps.Misfit(*matches), FitMatches::least);
     const GraphPose without = graph;
     const std::vector<Eigen::Vector3d> arrived = samples.Places(matched, graph);
+    const bool isTorn = !report.contradicted.empty(); // the surface moves in any case
     bool isStiff = !gaps.Any();
     for (double stiff = stiffest; !isStiff; stiff /= 10) {
         graph = without;
@@ -135,7 +136,7 @@ void Fitter::Run::StiffenGaps(const std::vector<double> &end, const Progress &pr
         }
         Find(1);
         isStiff = stiff <= 2 * least || (gaps.Misfit(*matches) <= bearable &&
-                                         gaps.Moved(arrived, samples.Places(matched, graph)) <= bearable);
+                                         (isTorn || gaps.Moved(arrived, samples.Places(matched, graph)) <= bearable));
     }
     fitter.Measure(*matches, report);
 }
