@@ -167,11 +167,11 @@ int FilterFcd::changes(int id) const { return its(id).changes; }
 HostFilterPlugin::FilterClass FilterFcd::menus(int id) const {
     const int both = int(Smoothing) | int(Texture);
     // NOLINTNEXTLINE(clang-analyzer-optin.core.EnumCastOutOfRange): the host takes it as bits
-    return its(id).flags & textured ? FilterClass(both) : Smoothing;
+    return (its(id).flags & textured) != 0 ? FilterClass(both) : Smoothing;
 }
 
 RichParameterList FilterFcd::defaults(int id, const MeshDocument &document) { return its(id).parameters(document); }
 
 QString FilterFcd::filterInfo(int id) const {
-    return (id == DeformMesh ? shown() : QString()) + its(id).help + (its(id).flags & ofMethod ? reference : "");
+    return (id == DeformMesh ? shown() : QString()) + its(id).help + ((its(id).flags & ofMethod) != 0 ? reference : "");
 }

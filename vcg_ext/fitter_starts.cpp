@@ -95,9 +95,8 @@ void Fitter::Run::TryOtherStarts(const Progress &progress) {
         report = asItLay.report;
         start = Moved(asItLies, began);
         Lay(progress.Slice(0.75, 1));
-        const double scale = scaleOf(began);
-        report.scaledBy = isFoundScaled ? scale * Growth() : 1; // the fit tells the rest of it
-        report.turnedBy = detail::ArcCosine((began.linear().trace() / scale - 1) / 2);
+        report.scaledBy = isFoundScaled ? scaleOf(began) * Growth() : 1; // the fit tells the rest of it
+        report.turnedBy = detail::ArcCosine((began.linear().trace() / scaleOf(began) - 1) / 2);
     } else {
         TakeBack(std::move(asItLay));
         start = first;

@@ -407,8 +407,8 @@ TEST(WorstCases, MotionsBeyondAllMeasure) {
 TEST(WorstCasesInThreads, AreTheSameToTheBit) {
     const int n = sanitized ? 5000 : 35000;
     const Shape duplicates = Join(PointCloud(3000), PointCloud(3000)), sheet = Grid(n / 650, 160);
-    for (const Shape &shape : {LooseTriangles(SurfaceRegions::most + 200), NoArea(sanitized ? 40 : 120), Fan(n / 20), Points(duplicates),
-                               Unwelded(Jittered(sheet, 0.2))}) {
+    for (const Shape &shape : {LooseTriangles(SurfaceRegions::most + 200), NoArea(sanitized ? 40 : 120), Fan(n / 20),
+                               Points(duplicates), Unwelded(Jittered(sheet, 0.2))}) {
         const MeshD mesh(shape);
         const Handles handles = TagsInTurn(shape.position.size());
         DeformationParam param;

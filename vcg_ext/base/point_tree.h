@@ -96,7 +96,7 @@ class PointTree {
                  std::size_t but = none) const {
         found.clear(); // a heap
         const auto limit = [&] {
-            return found.size() < count ? Limit() : Limit(found.front().square, found.front().point);
+            return found.size() < count ? Limit() : Limit{found.front().square, found.front().point};
         };
         const auto look = [&](std::size_t first, std::size_t last) {
             Scalar square[most] = {};
@@ -199,11 +199,8 @@ class PointTree {
     /// Where a search ends: beyond a squared distance, and at it for larger numbers. (Without numbers, a search among
     /// many points at one place looks at all of them.)
     struct Limit {
-        Scalar square;
-        Index point;
-
-        Limit(Scalar square = std::numeric_limits<Scalar>::infinity(), Index point = std::numeric_limits<Index>::max())
-            : square(square), point(point) {}
+        Scalar square = std::numeric_limits<Scalar>::infinity();
+        Index point = std::numeric_limits<Index>::max();
     };
 
     /// Calls body(first, last) for blocks, the nearest first, up to \p limit, then up to what body returns.

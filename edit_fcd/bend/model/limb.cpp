@@ -135,10 +135,10 @@ bool BendReach::isRoundEnd(std::size_t slot, const Pointed &at) {
         area += surface->nodeArea[std::size_t(u)];
     if (area > leastFlatEnd * EIGEN_PI * unit * unit)
         return false;
-    const auto &joint = whole({slot}, at.usual, at.hair)->joint;
-    const Eigen::Vector3d middle = surface->frame.ToFrame(joint.value_or(Eigen::Vector3d::Zero()));
+    const auto joint = whole({slot}, at.usual, at.hair)->joint;
+    const Eigen::Vector3d inside = surface->frame.ToFrame(joint.value_or(Eigen::Vector3d::Zero()));
     return joint && std::all_of(ball.begin(), ball.end(), [&](vcg::fcd::Index u) {
-               return (surface->graph.position.col(u).cast<double>() - middle).norm() > leastInside * unit;
+               return (surface->graph.position.col(u).cast<double>() - inside).norm() > leastInside * unit;
            });
 }
 
