@@ -577,16 +577,18 @@ def test_a_large_layer_that_is_prepared_is_what_it_shows(window, tmp_path):
     posed = load(w.save("posed.ply"))[0]
     assert np.abs(posed - points).max() > 0.1
     slept = 0
+    is_prepared = lambda: "trace: press" in w.text().rpartition("trace: answer")[2]
     for i in range(4): # at one of these, it has begun with what takes longest
         asleep, answers = Asleep(w.meshlab.pid), w.text().count("trace: answer")
         w.do("mousemove", X - 120 + i, Y, "mousedown", 1, "mousemove", X - 130, Y + 60, "mouseup", 1, settle=False)
         w.wait("trace: answer", answers + 1)
         time.sleep(0.1 * i)
         with asleep as threads:
-            if threads and "trace: press" not in w.text().rpartition("trace: answer")[2]:
-                slept += 1
+            if threads and not is_prepared():
                 saved = w.save(f"meanwhile_{i}.ply", by_menu=True, between=asleep.turn_over)
-                assert np.array_equal(load(saved)[0], posed)
+                if not is_prepared(): # on a busy machine it is, while they turn over
+                    slept += 1
+                    assert np.array_equal(load(saved)[0], posed)
         w.do("mousemove", X, Y + 230)
         w.until("end of it", lambda: w.text().rpartition("trace: answer")[2].count("trace: full"))
         w.settle()
