@@ -78,7 +78,7 @@ class Fields {
     /// The same text, of which there is one copy: pymeshlab keeps the parameters of each call.
     static QString shared(const QString &text);
     template <class Argument>
-    static const Argument &shared(const Argument &other) {
+    static Argument shared(const Argument &other) {
         return other;
     }
     template <class Rich, class Read, class... Arguments>

@@ -69,8 +69,9 @@ KeptVertices::KeptVertices(const MeshModel &layer, const KeptScan &scan)
     }
     if (isAnyNew && !wasPosed && !scan.vertices.empty()) {
         points.reserve(scan.vertices.size());
+        const Eigen::Affine3d moved = move.value_or(Eigen::Affine3d::Identity());
         for (const TaggedVertex &each : scan.vertices)
-            points.push_back(move ? *move * toVector(each.place) : toVector(each.place));
+            points.push_back(moved * toVector(each.place));
         tree = std::make_unique<vcg::fcd::PointTree<double>>(points);
     }
     // Is the new quality other tags, of another filter? These are whole numbers, none larger than before, or half of
