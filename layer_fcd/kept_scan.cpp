@@ -56,7 +56,8 @@ KeptVertices::KeptVertices(const MeshModel &layer, const KeptScan &scan)
     }
     if (isAnyMoved && !isSameMesh && !move) {
         const std::vector<double> longest = longestEdges(mesh);
-        const PosedVertex *posed = wasPosed ? LayerState::known(layer).rest->vertex.data() : nullptr;
+        const std::optional<RestState> &rest = LayerState::known(layer).rest;
+        const PosedVertex *posed = rest ? rest->vertex.data() : nullptr;
         forVertices(mesh, [&](std::size_t i) {
             const Eigen::Vector3d p = toVector(mesh.vert[i].cP());
             const auto isNear = [&](const Eigen::Vector3d &place) { return (place - p).norm() <= longest[i] / 2; };
