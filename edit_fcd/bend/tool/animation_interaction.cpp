@@ -28,7 +28,7 @@ void AnimationInteraction::show(double time) {
     stage.view->update();
 }
 
-void AnimationInteraction::stop() {
+void AnimationInteraction::leave() {
     isReady = stage.isStepWanted = false;
     stage.ended();
     if (stage.session)
@@ -36,7 +36,7 @@ void AnimationInteraction::stop() {
 }
 
 void AnimationInteraction::cancel() {
-    stop();
+    leave();
     if (stage.layer())
         stage.comeToRest();
 }
@@ -98,7 +98,7 @@ void ScrubInteraction::end() {
     isReleased = true;
     if (!isReady)
         return;
-    stop();
+    leave();
     if (!stage.layer())
         return;
     stage.display->rest();

@@ -17,7 +17,7 @@ class AnimationInteraction : public BendInteraction {
     /// \param begun called once the layer is prepared
     void prepare(const std::function<void()> &begun);
     void show(double time);
-    void stop();
+    void leave();
 
     double first = 0, length = 0; ///< time of the first key frame, and from there to the last one
     bool isReady = false;         ///< the layer is prepared
