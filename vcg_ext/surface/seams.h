@@ -19,26 +19,32 @@ namespace vcg::fcd {
 
 namespace detail {
 
-constexpr float alongRounding = 2e-7f; // of positions along a direction
+constexpr float alongRounding = 2e-7f; // of positions on a line
 
-/// The one of three oblique directions in which nodes on open borders reach farthest, so that few of them share a
-/// position along it.
-inline Eigen::Vector3f DirectionOf(const Graph &graph, const std::vector<char> &open) {
+/// The nodes on open borders along a line: position on it and node, ascending. Of three oblique directions, the line
+/// has the one in which they reach farthest, so that few of them share a position.
+inline std::vector<std::pair<float, Index>> BordersAlongLine(const Graph &graph, const std::vector<char> &open) {
+    std::vector<std::pair<float, Index>> border;
+    for (Index u = 0; u < graph.Size(); ++u)
+        if (open[u])
+            border.emplace_back(0.f, u);
     Eigen::Vector3f direction = Eigen::Vector3f::Zero();
     float farthest = -1;
     for (const Eigen::Vector3f &each :
          {Eigen::Vector3f(0.5773f, 0.6144f, 0.5378f), Eigen::Vector3f(-0.7412f, 0.1317f, 0.6583f),
           Eigen::Vector3f(0.3171f, -0.7793f, 0.5403f)}) {
         Eigen::AlignedBox<float, 1> along;
-        for (Index u = 0; u < graph.Size(); ++u)
-            if (open[u])
-                along.extend(Eigen::Matrix<float, 1, 1>(each.dot(graph.position.col(u))));
+        for (const auto &[at, u] : border)
+            along.extend(Eigen::Matrix<float, 1, 1>(each.dot(graph.position.col(u))));
         if (const float reach = along.isEmpty() ? 0 : along.sizes()[0]; reach > 1.5f * farthest) { // mostly the first
             farthest = reach;
             direction = each.normalized();
         }
     }
-    return direction;
+    for (auto &[at, u] : border)
+        at = direction.dot(graph.position.col(u));
+    std::sort(border.begin(), border.end());
+    return border;
 }
 
 } // namespace detail
@@ -55,12 +61,7 @@ struct Seams {
 /// units of the graph's positions, >= 0 \param beside flag of each node, or empty: it is welded to free ones only
 inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const std::vector<Index> &tag,
                        double distance, const Progress &progress = {}, const std::vector<char> &beside = {}) {
-    const Eigen::Vector3f direction = detail::DirectionOf(graph, open);
-    std::vector<std::pair<float, Index>> place; // position in the direction, and node
-    for (Index u = 0; u < graph.Size(); ++u)
-        if (open[u])
-            place.emplace_back(direction.dot(graph.position.col(u)), u);
-    std::sort(place.begin(), place.end());
+    const auto place = detail::BordersAlongLine(graph, open);
     const auto isFree = [&](Index u) { return tag.empty() || tag[u] == 1; };
     const auto isBeside = [&](Index u) { return !beside.empty() && beside[u]; };
     const float reach = float(distance) + detail::alongRounding;
@@ -93,25 +94,21 @@ inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const 
 /// alone, and many nodes within a tenth of these.) \param open, tag as of FindSeams
 inline Index CountGaps(const Graph &graph, const std::vector<char> &open, const std::vector<Index> &tag,
                        const Progress &progress = {}) {
-    const Eigen::Vector3f direction = detail::DirectionOf(graph, open);
     struct Place {
-        float along, reach; // along: position in the direction; reach: a tenth of the shortest edge
+        float along, reach; // along: position on the line; reach: a tenth of the shortest edge
         Index node, first;  // first: its first neighbour, or -1
         std::size_t others; // index of the next place with another first neighbour; skips the nodes of a long fan
-        bool operator<(const Place &o) const { return along != o.along ? along < o.along : node < o.node; }
     };
     std::vector<Place> place;
-    for (Index u = 0; u < graph.Size(); ++u)
-        if (open[u]) {
-            const Eigen::Vector3f p = graph.position.col(u);
-            float shortest = std::numeric_limits<float>::infinity();
-            const Csr::Row neighbours = graph.adjacency[u];
-            for (Index v : neighbours)
-                shortest = std::min(shortest, (graph.position.col(v) - p).norm());
-            place.push_back({direction.dot(p), std::isinf(shortest) ? 0 : 0.1f * shortest, u,
-                             neighbours.size() ? neighbours[0] : -1, 0});
-        }
-    std::sort(place.begin(), place.end());
+    for (const auto &[along, u] : detail::BordersAlongLine(graph, open)) {
+        const Eigen::Vector3f p = graph.position.col(u);
+        float shortest = std::numeric_limits<float>::infinity();
+        const Csr::Row neighbours = graph.adjacency[u];
+        for (Index v : neighbours)
+            shortest = std::min(shortest, (graph.position.col(v) - p).norm());
+        place.push_back(
+            {along, std::isinf(shortest) ? 0 : 0.1f * shortest, u, neighbours.size() ? neighbours[0] : -1, 0});
+    }
     for (std::size_t i = place.size(); i-- > 0;)
         place[i].others = i + 1 < place.size() && place[i + 1].first == place[i].first ? place[i + 1].others : i + 1;
 
