@@ -17,12 +17,15 @@ vcg::Color4b colorOfStretch(double exponent) {
 
 std::vector<vcg::Color4b> colorsOfStretch(const CMeshO &mesh, const std::vector<Point3m> &rest,
                                           const Eigen::Matrix3d &world, unsigned char opacity) {
-    const std::size_t grain = 1 << 13;
+    const std::size_t grain = 1 << 10;
+    struct Weighed {
+        float exponent[grain], area[grain];
+    };
+    const vcg::fcd::RangeResults<Weighed> faces(mesh.face.size(), grain);
     const auto slotOf = [&](const CFaceO &face, int k) { return std::size_t(face.cV(k) - mesh.vert.data()); };
     std::vector<vcg::Color4b> color(mesh.vert.size());
-    std::vector<float> exponent(mesh.face.size(), 0), area(mesh.face.size(), 0);
     std::vector<float> sum(mesh.vert.size(), 0), weight(mesh.vert.size(), 0);
-    vcg::fcd::ParallelFor(0, mesh.face.size(), grain, [&](std::size_t first, std::size_t last) {
+    const auto compute = [&](std::size_t first, std::size_t last) {
         for (std::size_t f = first; f < last; ++f) {
             const CFaceO &face = mesh.face[f];
             if (face.IsD())
@@ -34,17 +37,21 @@ std::vector<vcg::Color4b> colorsOfStretch(const CMeshO &mesh, const std::vector<
                 return world * (toVector(face.cP(k)) - toVector(face.cP(0)));
             };
             const auto stretch = vcg::fcd::StretchOf(edgeAtRest(1), edgeAtRest(2), edge(1), edge(2));
-            exponent[f] = stretch.Exponent();
-            area[f] = float(stretch.area);
+            faces.Of(f).exponent[f % grain] = stretch.Exponent();
+            faces.Of(f).area[f % grain] = float(stretch.area);
         }
-    });
-    for (std::size_t f = 0; f < mesh.face.size(); ++f) // in order, for the same bits
-        for (int k = 0; k < 3 && !mesh.face[f].IsD(); ++k) {
-            const std::size_t i = slotOf(mesh.face[f], k);
-            sum[i] += exponent[f] * area[f];
-            weight[i] += area[f];
-        }
-    vcg::fcd::ParallelFor(0, mesh.vert.size(), grain, [&](std::size_t first, std::size_t last) {
+    };
+    const auto add = [&](std::size_t first, std::size_t last) {
+        for (std::size_t f = first; f < last; ++f)
+            for (int k = 0; k < 3 && !mesh.face[f].IsD(); ++k) {
+                const std::size_t i = slotOf(mesh.face[f], k);
+                const float area = faces.Of(f).area[f % grain];
+                sum[i] += faces.Of(f).exponent[f % grain] * area;
+                weight[i] += area;
+            }
+    };
+    vcg::fcd::ParallelForAdding(0, mesh.face.size(), grain, compute, add);
+    vcg::fcd::ParallelFor(0, mesh.vert.size(), 1 << 13, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
             if (mesh.vert[i].IsD())
                 continue;
