@@ -94,9 +94,8 @@ def tidy(target: Path) -> None:
             pass
 
 
-def reaching(header: laspy.LasHeader, low: NDArray[np.float64], high: NDArray[np.float64]) -> laspy.LasHeader:
-    """The header of a file that has points from low to high: with another offset, and a scale that is coarser by a power of ten where needed."""
-    made = copy.deepcopy(header)
+def widen(header: laspy.LasHeader, low: NDArray[np.float64], high: NDArray[np.float64]) -> None:
+    """Gives the header of a file that has points from low to high another offset, and a scale that is coarser by a power of ten where needed."""
     whole = np.array(header.offsets), np.array(header.scales)  # as they are where they do
     usable = np.isfinite(whole[1]) & (whole[1] > 0)
     whole[1][~usable] = whole[1][usable].min() if usable.any() else 0.001  # a flat tile may have none of its height, which it needs now
@@ -106,8 +105,7 @@ def reaching(header: laspy.LasHeader, low: NDArray[np.float64], high: NDArray[np
         while (high[d] - low[d]) / whole[1][d] >= 2 ** 32 - 4:
             whole[1][d] *= 10
         whole[0][d] = np.round((low[d] + high[d]) / 2 / whole[1][d]) * whole[1][d]
-    made.offsets, made.scales = whole
-    return made
+    header.offsets, header.scales = whole
 
 
 def warp(bend: pymeshlab_fcd.Deformation, source: str | Path, target: str | Path, chunk: int = CHUNK, threads: int = 0,
@@ -136,13 +134,15 @@ def warp_within(bend: pymeshlab_fcd.Deformation, source: str | Path, target: str
     try:
         with laspy.open(source) as reader:
             names = [each for each in NORMALS if set(each) <= set(reader.header.point_format.dimension_names)]
-            header = reader.header if reach is None else reaching(reader.header, *reach)
-            if any(each.user_id == "copc" for each in header.vlrs):  # where its octree is in the file
+            header = reader.header
+            is_copc = any(each.user_id == "copc" for each in header.vlrs)  # which tells where its octree is in the file
+            if is_copc or vectors or reach is not None:
                 header = copy.deepcopy(header)
                 header.vlrs = [each for each in header.vlrs if each.user_id != "copc"]
+            if reach is not None:
+                widen(header, *reach)
             own = vector_names(header.point_format.dimension_names) if vectors else []
             if vectors:
-                header = copy.deepcopy(header)
                 if reach is None and own != vector_names(()):
                     warnings.warn(f"{source} has {', '.join(vector_names(()))} already, or one of these, which stay: how far its points went is in "
                                   f"{', '.join(own)}", stacklevel=3)
