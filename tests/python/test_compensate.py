@@ -4,64 +4,10 @@ import warnings
 
 import numpy as np
 import pytest
+from job_data import SIZE, THICK, plate, scan, warped
 
 import pymeshlab_fcd
 from pymeshlab_fcd import CompensationWarning, compensate
-
-SIZE, THICK, HOLE, TILES = np.array([120.0, 60.0]), 4.0, 5.0, (4, 2)  # millimetres
-
-
-def plate(around=64, rings=10):
-    """Drilled; unwelded, as STL files are: (vertices, faces, holes), where holes are the vertices of each hole's wall."""
-    half = SIZE / TILES / 2
-    a = 2 * np.pi * np.arange(around) / around
-    circle = np.stack([np.cos(a), np.sin(a)], 1)
-    square = circle / np.abs(circle / half).max(axis=1, keepdims=True)
-    share = np.linspace(0, 1, rings)[:, None, None]
-    flat = (1 - share) * HOLE * circle + share * square
-    here = np.arange(around)
-    beside = np.roll(here, -1)
-    tile = np.concatenate([np.concatenate([np.stack([here, here + around, beside], 1), np.stack([beside, here + around, beside + around], 1)]) + r * around
-                           for r in range(rings - 1)])
-    corners, of_hole = [], []
-    for i in range(TILES[0]):
-        for j in range(TILES[1]):
-            at = flat.reshape(-1, 2) + half * [2 * i + 1, 2 * j + 1]
-            top, low = (np.concatenate([at, np.full((len(at), 1), z)], 1) for z in (THICK, 0))
-            corners += [top[tile], low[tile[:, ::-1]]]
-            of_hole += [np.zeros(len(tile), int)] * 2
-            ring_top, ring_low = top[:around], low[:around]
-            corners += [np.stack([ring_top[here], ring_top[beside], ring_low[here]], 1), np.stack([ring_top[beside], ring_low[beside], ring_low[here]], 1)]
-            of_hole += [np.full(around, 1 + i * TILES[1] + j)] * 2
-    for axis, number in ((0, 60), (1, 120)):
-        for side in (0, 1):
-            t = np.linspace(0, SIZE[1 - axis], number)
-            wall = np.stack([np.full(number, SIZE[axis] * side), t], 1)
-            wall = wall if axis == 0 else wall[:, ::-1]
-            up, down = (np.concatenate([wall, np.full((number, 1), z)], 1) for z in (THICK, 0))
-            faces = [np.stack([up[:-1], down[:-1], down[1:]], 1), np.stack([up[:-1], down[1:], up[1:]], 1)]
-            outward = (side == 1) == (axis == 1)
-            corners += [each[:, ::-1] if outward else each for each in faces]
-            of_hole += [np.zeros(number - 1, int)] * 2
-    soup, holes = np.concatenate(corners).reshape(-1, 3), np.repeat(np.concatenate(of_hole), 3)
-    return soup, np.arange(len(soup)).reshape(-1, 3), holes
-
-
-def warped(p):
-    """By 0.48 mm at most: it lifts at the corners, twists, and shrinks."""
-    x, y = (p[:, 0] / SIZE[0] - 0.5) * 2, (p[:, 1] / SIZE[1] - 0.5) * 2
-    lift = 0.28 * x**2 + 0.1 * y**2 + 0.1 * x * y + 0.06 * np.sin(3 * x)
-    return np.stack([p[:, 0] * 0.998 - 0.3 * lift * x * (p[:, 2] - 2) / 10, p[:, 1] * 0.999 + 0.05 * x**2 * y, p[:, 2] + lift], 1)
-
-
-def scan(noise=0.03, kept=None):
-    points, faces, _ = plate(97, 17)  # of another density
-    measured, same = np.unique(points.round(9), axis=0, return_inverse=True)
-    faces = same.reshape(-1)[faces]
-    if kept is not None:
-        faces = faces[kept(measured[faces].mean(1))]
-    measured = warped(measured)
-    return measured + np.random.default_rng(1).normal(0, noise, measured.shape), faces
 
 
 def rms(a):

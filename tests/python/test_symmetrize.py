@@ -4,51 +4,13 @@ import warnings
 
 import numpy as np
 import pytest
-
-from pymeshlab_fcd import Deformation, DeformationWarning, Pose, Symmetrized, symmetrize
+from job_data import MIRROR, ball, buried, skull
 from shapes import same
 from test_straighten import rms_apart
 
-MIRROR = np.array([-1, 1, 1.0])
+from pymeshlab_fcd import Deformation, DeformationWarning, Pose, Symmetrized, symmetrize
 
-
-def directions(rings=90, around=120):
-    """A sphere whose triangles are not symmetric."""
-    z, a = np.meshgrid(np.cos(np.pi * (np.arange(rings) + 0.5) / rings), 2 * np.pi * (np.arange(around) + 0.3) / around, indexing="ij")
-    r = np.sqrt(1 - z**2)
-    here = np.arange(around)
-    beside = np.roll(here, -1)
-    faces = [face for k in range(rings - 1) for face in (
-        np.stack([here, here + around, beside], 1) + k * around, np.stack([beside, here + around, beside + around], 1) + k * around)]
-    turn = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 3)))[0]
-    turn[:, 0] *= np.sign(np.linalg.det(turn))
-    return np.stack([r * np.cos(a), r * np.sin(a), z], 2).reshape(-1, 3) @ turn, np.concatenate(faces)
-
-
-def skull(at, seed):
-    """Symmetric about x = 0, with features on both sides and in the middle."""
-    random, height = np.random.default_rng(seed), np.ones(len(at))
-    for k in range(14):
-        middle = random.normal(size=3) * [k % 4 > 0, 1, 1]
-        middle /= np.linalg.norm(middle)
-        width, bump = random.uniform(0.12, 0.45), random.uniform(-0.18, 0.22)
-        for side in [1, -1][: 1 + (middle[0] != 0)]:
-            height += bump * np.exp(-((at - middle * [side, 1, 1]) ** 2).sum(1) / width**2 / 2)
-    return at * height[:, None] * [0.75, 1.0, 0.85]
-
-
-def buried(points, shear=0.08, bend=0.06):
-    """Sheared, bent to one side, and anywhere."""
-    p = points.copy()
-    p[:, 0] += shear * (0.8 * p[:, 1] - 0.6 * p[:, 2])
-    angle = bend * p[:, 1]
-    p = np.stack([(p[:, 0] + 1 / bend) * np.cos(angle) - 1 / bend, (p[:, 0] + 1 / bend) * np.sin(angle), p[:, 2]], 1)
-    turn = np.linalg.qr(np.random.default_rng(7).normal(size=(3, 3)))[0]
-    turn[:, 0] *= np.sign(np.linalg.det(turn))
-    return p @ turn + [3, -1, 2]
-
-
-AT, FACES = directions()
+AT, FACES = ball()
 
 
 def off(made, truth):
@@ -127,14 +89,14 @@ def test_the_good_side_is_mirrored_over_a_missing_one():
 @pytest.mark.parametrize("side, radius", [(1, 0.5), (-1, 0.5), (-1, 0.4)])
 def test_a_missing_ear_does_not_hide_the_plane(side, radius):
     """In a ball that is nearly round, a sheared one is as much like its mirror image in many planes before it is warped."""
-    at, faces = directions()
+    at, faces = ball()
     bumps = [(0.8, 0.1, 0.6, 0.2), (-0.8, 0.1, 0.6, 0.2), (0, 0.9, 0.3, 0.25), (0, 0.7, -0.7, 0.2), (0, -0.8, 0.5, -0.2), (0.4, 0.8, 0.5, -0.1), (-0.4, 0.8, 0.5, -0.1)]
-    ball = at * (1 + sum(height * np.exp(-8 * ((at - middle) ** 2).sum(1)) for *middle, height in bumps))[:, None]
-    ball = np.stack([0.8 * ball[:, 0] + 0.08 * ball[:, 1], ball[:, 1], ball[:, 2]], 1)
-    kept = np.linalg.norm(ball - [0.8 * side, 0.1, 0.6], axis=1) > radius
+    head = at * (1 + sum(height * np.exp(-8 * ((at - middle) ** 2).sum(1)) for *middle, height in bumps))[:, None]
+    head = np.stack([0.8 * head[:, 0] + 0.08 * head[:, 1], head[:, 1], head[:, 2]], 1)
+    kept = np.linalg.norm(head - [0.8 * side, 0.1, 0.6], axis=1) > radius
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        made = symmetrize(ball[kept], (np.cumsum(kept) - 1)[faces[kept[faces].all(1)]]).symmetry
+        made = symmetrize(head[kept], (np.cumsum(kept) - 1)[faces[kept[faces].all(1)]]).symmetry
     assert abs(made.plane[1][0]) > 0.99 and made.after < 0.05 * made.before
 
 
@@ -168,7 +130,7 @@ def test_what_is_symmetric_is_not_called_less_so_afterwards():
 
 def test_what_comes_out_less_symmetric_is_told():
     """A skull that is symmetric, and a pair that is none. (A plane beside the skull ends anywhere: the last bit decides.)"""
-    at, faces = directions(40, 60)
+    at, faces = ball(40, 60)
     vertices = skull(at, 3)
     with pytest.warns(DeformationWarning, match="farther from its mirror image than the surface was: the plane is hardly the right one"):
         symmetrize(vertices, faces, plane=[[0, 0, 0], [1, 0, 0]], pairs=[[vertices[:, 0].argmax(), vertices[:, 2].argmax()]])
@@ -228,7 +190,7 @@ def test_errors_speak_of_what_was_given(places, given, text):
 @pytest.mark.parametrize("size", [2.0**-900, 2.0**600])
 def test_surfaces_of_any_size_become_symmetric_alike(size):
     """Squares of such lengths are no numbers. Pairs of vertices become mirror images to the bit."""
-    pairs, (at, faces) = [(10, 30), (400, 420), (800, 820)], directions(30, 40)
+    pairs, (at, faces) = [(10, 30), (400, 420), (800, 820)], ball(30, 40)
 
     def restored(by):
         with warnings.catch_warnings():

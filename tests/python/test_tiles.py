@@ -8,14 +8,13 @@ from pathlib import Path
 import laspy
 import numpy as np
 import pytest
+from solve_thinned import read, tell_doubts
+from warp_las import targets, warp
+from warp_las_dask import warp_all
 
 import pymeshlab_fcd
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
-sys.path.insert(0, str(EXAMPLES))
-from solve_thinned import read, tell_doubts  # noqa: E402
-from warp_las import targets, warp  # noqa: E402
-from warp_las_dask import warp_all  # noqa: E402
 
 ORIGIN = np.array([512000.0, 5412000.0, 300.0])
 SCALE = 0.001
