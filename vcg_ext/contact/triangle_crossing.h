@@ -81,21 +81,30 @@ inline double SquareBetweenEdges(const Eigen::Vector3d &p, const Eigen::Vector3d
     return (w + t * d - u * e).squaredNorm();
 }
 
-/// Whether two triangles pass through each other, or are within \p distance of each other.
+/// Whether two triangles pass through each other, or are within \p distance of each other. Either may be an edge or a
+/// point.
 inline bool AreNear(const Corners3 &a, const Corners3 &b, double distance) {
     const double square = distance * distance;
-    for (const auto &[one, other] : {std::pair<const Corners3 *, const Corners3 *>{&a, &b}, {&b, &a}})
-        for (const Eigen::Vector3d &p : *one) {
-            const Corners3 &t = *other;
+    for (const auto &[one, t] : {std::pair<const Corners3 &, const Corners3 &>{a, b}, {b, a}}) {
+        const auto isNear = [&t = t, square](const Eigen::Vector3d &p) {
             const Eigen::Vector3d weight = WeightsOfNearest(t[0], t[1], t[2], p);
-            if ((t[0] * weight[0] + t[1] * weight[1] + t[2] * weight[2] - p).squaredNorm() <= square)
+            return (t[0] * weight[0] + t[1] * weight[1] + t[2] * weight[2] - p).squaredNorm() <= square;
+        };
+        const BesidePlane beside(t, one);
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t next = (k + 1) % 3;
+            if (isNear(one[k]))
+                return true;
+            if ((beside.at[k] < 0) != (beside.at[next] < 0) && // where the edge meets the plane
+                isNear(one[k] + (one[next] - one[k]) * (beside.at[k] / (beside.at[k] - beside.at[next]))))
                 return true;
         }
+    }
     for (std::size_t k = 0; k < 3; ++k)
         for (std::size_t l = 0; l < 3; ++l)
             if (SquareBetweenEdges(a[k], a[(k + 1) % 3], b[l], b[(l + 1) % 3]) <= square)
                 return true;
-    return Through(a, b, 0) > 0;
+    return Through(a, b, 0) > 0; // where rounding is more than the distance
 }
 
 } // namespace vcg::fcd::detail
