@@ -54,8 +54,8 @@ struct SymmetricPose {
 
 /// Makes the surface of \p fitter, all of which is free, symmetric.
 /// \param source, normal, world, weight as \p fitter was made with
-/// \throw BadInput landmarks that are no vertices, or named twice; a plane without a direction
-/// \throw Unsolvable the fit cannot be solved \throw Cancelled
+/// \throw BadInput landmarks that are no vertices, or named twice; a plane without a direction; no plane is given, and
+/// none is better than any other \throw Unsolvable the fit cannot be solved \throw Cancelled
 SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const NormalOf &normal,
                          const Eigen::Affine3d &world, const SymmetryGoal &goal, SymmetryReport &report,
                          const Progress &progress = {}, const WeightOf &weight = {});

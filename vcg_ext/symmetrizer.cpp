@@ -2,6 +2,7 @@
 #include <vcg_ext/fit/fit_landmarks.h>
 #include <vcg_ext/fit/fit_target.h>
 #include <vcg_ext/symmetrize.h>
+#include <vcg_ext/symmetry/best_plane.h>
 #include <vcg_ext/symmetry/half_pose.h>
 #include <vcg_ext/warp/smooth_warp.h>
 
@@ -24,18 +25,8 @@ namespace {
 constexpr std::size_t places = 2000;
 // Degree of the warp. A bend by half a radian to each side needs degree 5 to be met to a thousandth of the diagonal
 // (the series of the cosine of twice the bend ends with the power of 4, and it is sheared); more would follow single
-// features. A warp of degree 3 with fewer points tells which of several planes is the right one: the one in which the
-// surface is its mirror image up to the warp. It is sure if the misfit of the next plane is sureBy times as large (if
-// the surface is its own mirror image in both, it is the same up to noise). Misfits below `perfect` of the diagonal
-// count as equal.
-constexpr int degree = 5, roughDegree = 3, sketchDegree = 2;
-constexpr std::size_t roughPlaces = 500;
-// Where planes are many, as where nothing is symmetric, fewer points and a lower degree tell which ones are worth it:
-// the misfit of the right one is several times less than that of others.
-constexpr std::size_t sketchPlaces = 100, finalPlanes = 10;
-constexpr double roughRest = 0.1; // a warp rests if a step moves places by less than a tenth of what is left
-constexpr double sureBy = 1.25, perfect = 1e-4;
-constexpr double apart = 0.05; // of the diagonal: counterparts farther from each other than this are different ones
+// features.
+constexpr int degree = 5;
 // Weight of landmarks over that of the surface: more than a match has along the surface (a hundredth).
 constexpr double landmarkWeight = 0.1;
 
@@ -85,73 +76,6 @@ MirrorPlane InFrame(const MirrorPlane &plane, const ToWorld &world) {
     return {world.Back(plane.point), plane.normal.normalized()};
 }
 
-/// A plane, and the warp that takes the surface onto its mirror image in it.
-struct TriedPlane {
-    MirrorPlane plane;
-    double misfit;     // of the warp
-    MirrorPairs pairs; // points, and their counterparts
-};
-
-/// Tries planes with about so many points each.
-template <class GoalIn>
-std::vector<TriedPlane> TryPlanes(const std::vector<MirrorPlane> &planes, const GoalIn &goalIn, std::size_t points,
-                                  int degree, const Progress &progress) {
-    std::vector<TriedPlane> all(planes.size());
-    ParallelTasks(progress, "Looking for the plane", planes.size(), [&](std::size_t i, const Progress &its) {
-        WarpGoal goal = goalIn(planes[i]);
-        goal.place = Some(goal.place, points);
-        goal.normal = Some(goal.normal, points);
-        goal.weight = Some(goal.weight, points);
-        goal.degree = degree;
-        goal.rest = roughRest;
-        WarpReport fit;
-        const SmoothWarp warp = FitWarp(goal, its, &fit);
-        all[i].plane = planes[i];
-        all[i].misfit = fit.misfit;
-        for (const Eigen::Vector3d &place : goal.place)
-            all[i].pairs.emplace_back(place, planes[i](warp.At(place)));
-    });
-    return all;
-}
-
-std::vector<double> SortedMisfits(const std::vector<TriedPlane> &all) {
-    std::vector<double> misfit(all.size());
-    std::transform(all.begin(), all.end(), misfit.begin(), [](const TriedPlane &each) { return each.misfit; });
-    std::sort(misfit.begin(), misfit.end());
-    return misfit;
-}
-
-/// The plane in which the surface is its mirror image, up to a warp. Of several that are equally good, the first of
-/// \p planes.
-template <class GoalIn>
-MirrorPlane BestPlane(std::vector<MirrorPlane> planes, const GoalIn &goalIn, bool &isSure, const Progress &progress) {
-    const bool isMany = planes.size() > finalPlanes;
-    if (isMany) {
-        const auto all = TryPlanes(planes, goalIn, sketchPlaces, sketchDegree, progress.Slice(0, 0.5));
-        const double most = SortedMisfits(all)[finalPlanes - 1];
-        planes.clear();
-        for (const TriedPlane &each : all)
-            if (each.misfit <= most)
-                planes.push_back(each.plane);
-    }
-    const std::vector<TriedPlane> all =
-        TryPlanes(planes, goalIn, roughPlaces, roughDegree, progress.Slice(isMany ? 0.5 : 0, 1));
-    const double most = sureBy * std::max(SortedMisfits(all)[0], perfect);
-    const auto isGood = [&](const TriedPlane &each) { return each.misfit <= most; };
-    const TriedPlane &best = *std::find_if(all.begin(), all.end(), isGood);
-    const auto isOther = [&](const TriedPlane &each) { // its counterparts are others
-        double squares = 0;
-        for (std::size_t s = 0; s < best.pairs.size(); ++s)
-            squares += (each.pairs[s].second - best.pairs[s].second).squaredNorm();
-        return squares > apart * apart * double(best.pairs.size());
-    };
-    isSure =
-        std::none_of(all.begin(), all.end(), [&](const TriedPlane &each) { return isGood(each) && isOther(each); });
-    bool isTold;
-    const MirrorPlane plane = PlaneOf(best.pairs, {}, isTold);
-    return isTold ? plane : best.plane;
-}
-
 } // namespace
 
 SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const NormalOf &normal,
@@ -179,7 +103,7 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
         plane = InFrame(*goal.plane, inWorld);
     else
         plane = PlaneOf(marks.place, {}, report.isOfLandmarks);
-    const auto goalIn = [&](const MirrorPlane &in) {
+    const WarpGoalIn goalIn = [&](const MirrorPlane &in) {
         WarpGoal whole = warped;
         // The warp takes the surface onto its mirror image, as far as it is smooth. Matches are found on the surface
         // itself, for points that are mirrored back.

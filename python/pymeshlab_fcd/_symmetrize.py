@@ -211,8 +211,8 @@ def symmetrize(
     Raises
     ------
     ValueError
-        An argument has the wrong shape, or is out of range, a vertex is named twice as a landmark, the plane has no direction, or nothing has a
-        counterpart.
+        An argument has the wrong shape, or is out of range, a vertex is named twice as a landmark, the plane has no direction, no plane is better
+        than any other, or nothing has a counterpart.
     RuntimeError
         The fit has no solution in double precision, as of a surface that is as thin as a line.
 

@@ -177,6 +177,15 @@ def test_a_plane_that_is_not_sure_is_told():
         assert not symmetrize(egg, FACES).symmetry.is_sure
 
 
+def test_random_points_are_told_before_any_fit_and_mirrored_ones_are_not():
+    told, places = [], np.random.default_rng(8).uniform(size=(150, 3))
+    with pytest.raises(ValueError, match="as much like its mirror image in any plane as in another one. Give pairs, a midline or the plane"):
+        symmetrize(places, None, progress=lambda percent, stage: told.append(stage))
+    assert "Looking for the plane" in told and "Fitting" not in told
+    half = np.random.default_rng(9).uniform(size=(75, 3))
+    assert abs(symmetrize(np.r_[half, half * MIRROR], None).symmetry.plane[1][0]) == pytest.approx(1)
+
+
 @pytest.mark.parametrize("places, given, text", [
     (np.ones((5, 3)), {}, "All of the surface lies at one point or on one line, so it is no surface"),
     (np.arange(30.0)[:, None] + np.zeros(3), {}, "All of the surface lies at one point or on one line"),

@@ -30,13 +30,19 @@ using MirrorPairs = std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>>;
 /// \param isUnique out: false if several planes do, as for two points that are their own partners
 MirrorPlane PlaneOf(const MirrorPairs &pairs, const std::vector<double> &weight, bool &isUnique);
 
-/// The planes in which a surface is most like its own mirror image: at least one, the best first, then those nearly as
-/// good. Tries many directions. From the best ones, matches the mirror image with the surface (iterative closest
-/// points, robust weights) until it rests. The misfit is the mean distance of the nearest four fifths. \param points,
-/// normal samples all over the surface; a normal is 0 if unknown \param surface itself \throw Cancelled
-std::vector<MirrorPlane> FindPlanes(const std::vector<Eigen::Vector3d> &points,
-                                    const std::vector<Eigen::Vector3d> &normal, const FitTarget &surface,
-                                    const Progress &progress = {});
+/// Planes in which a surface is most like its own mirror image: at least one, the best first, then those nearly as
+/// good.
+struct TriedPlanes {
+    std::vector<MirrorPlane> planes;
+    bool standOut =
+        true; ///< false: in any plane through the middle, the surface is about as much like its mirror image
+};
+
+/// Tries many directions. From the best ones, matches the mirror image with the surface (iterative closest points,
+/// robust weights) until it rests. The misfit is the mean distance of the nearest four fifths. \param points, normal
+/// samples all over the surface; a normal is 0 if unknown \param surface itself \throw Cancelled
+TriedPlanes FindPlanes(const std::vector<Eigen::Vector3d> &points, const std::vector<Eigen::Vector3d> &normal,
+                       const FitTarget &surface, const Progress &progress = {});
 
 /// About \p wanted items of a list, evenly chosen.
 template <class T>
