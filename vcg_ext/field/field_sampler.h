@@ -29,9 +29,10 @@ std::vector<std::array<Index, 3>> DualOf(const Patches &patches, const SurfaceGr
 /// Samples the deformation of a mesh, each region apart.
 class FieldSampler {
   public:
+    /// \throw Cancelled
     FieldSampler(const SurfaceGraph &surface, std::vector<std::array<Index, 3>> face, const Eigen::Matrix3Xd &rest,
                  const Eigen::Matrix3Xd &deformed, const std::vector<Eigen::Matrix3f> &linear,
-                 const std::vector<Index> &regionOf, const FieldParam &param)
+                 const std::vector<Index> &regionOf, const FieldParam &param, const Progress &progress)
         : surface(surface), face(std::move(face)), rest(rest), deformed(deformed), linear(linear), param(param),
           pieces(1) {
         const std::size_t slotCount = surface.nodeOf.size();
@@ -39,6 +40,7 @@ class FieldSampler {
         for (const auto &corners : this->face)
             for (Index i : corners)
                 counts[i] = 1;
+        progress(0, stage);
         const Index nodes = surface.graph.Size();
         slotOf.assign(std::size_t(nodes), -1);
         pieceOf.assign(std::size_t(nodes), 0);
@@ -56,10 +58,13 @@ class FieldSampler {
             if (!Rests(i))
                 rests[node] = 0;
         }
+        progress(0.2, stage);
         const Index regions = std::max(Index(0), *std::max_element(pieceOf.begin(), pieceOf.end()));
         NumberOthers(rests, 1 + regions);
+        progress(0.4, stage);
         pieces.resize(std::size_t(1) + std::size_t(*std::max_element(pieceOf.begin(), pieceOf.end())));
         FindAccuracy();
+        progress(0.6, stage);
         PutSeeds(rests, std::size_t(regions));
     }
 
@@ -69,6 +74,7 @@ class FieldSampler {
         for (Index u = 0; u < Index(isSeed.size()); ++u)
             if (isSeed[u])
                 seed.push_back(u);
+        progress(0, stage);
         // A spacing that does not depend on the number of seeds elsewhere.
         patches = GrowPatches(surface.graph, {}, seed, progress.Slice(0, 0.5), 1 / std::sqrt(float(param.moving)));
         for (Index u : patches.center) // also of parts without a seed
@@ -107,6 +113,7 @@ class FieldSampler {
     /// \return whether all is done
     bool Refine(const DeformationField &field, SampledField &result, const Progress &progress) {
         Compare(field, result, progress);
+        progress(1, "Comparing"); // between long walks, where it may be cancelled
         struct PieceErrors {
             Index off = 0, patches = 0;
             std::vector<Index> worst, all; // slots beyond the accuracy: largest of each octant; all
@@ -171,7 +178,9 @@ class FieldSampler {
             found[PieceOf(node)].any |= !isSeed[node];
             isSeed[node] = 1;
         }
+        progress(1, "Comparing");
         FindNear(added);
+        progress(1, "Comparing");
         bool isDone = true, isCompared = true;
         for (std::size_t p = 0; p < pieces.size(); ++p) {
             Piece &piece = pieces[p];
@@ -195,6 +204,8 @@ class FieldSampler {
     }
 
   private:
+    static constexpr const char *stage = "Sampling";
+
     /// A region, or a moving part of a handle, or a loose part. The first piece is all the rest.
     struct Piece {
         double accuracy = 0;

@@ -125,7 +125,8 @@ static SampledField Sampled(const SurfaceGraph &surface, std::vector<std::array<
                             const Eigen::Matrix3Xd &rest, const Eigen::Matrix3Xd &deformed,
                             const std::vector<Eigen::Matrix3f> &linear, const FieldParam &param,
                             const std::vector<Index> &regionOf, const Progress &progress) {
-    detail::FieldSampler sampler(surface, std::move(face), rest, deformed, linear, regionOf, param);
+    detail::FieldSampler sampler(surface, std::move(face), rest, deformed, linear, regionOf, param,
+                                 progress.Slice(0.2, 0.2));
     SampledField result;
     result.accuracy = sampler.Accuracy();
     double from = 0.2;
@@ -157,6 +158,7 @@ SampledField SampleField(const SurfaceView &mesh, const Eigen::Matrix3Xd &rest, 
     for (std::size_t f = 0; f < mesh.faces; ++f)
         if (mesh.IsFace(f))
             face.push_back({Index(mesh.corner[3 * f]), Index(mesh.corner[3 * f + 1]), Index(mesh.corner[3 * f + 2])});
+    progress(0.2, "Sampling");
     double farthest = 0;
     for (std::size_t i = 0; i < surface.nodeOf.size(); ++i)
         if (surface.nodeOf[i] >= 0)

@@ -35,7 +35,7 @@ class PatchGrower {
     /// \param step width of a distance class; within a class, nodes are assigned in any order
     void Grow(std::vector<Center> &center, double step, const Progress &progress = {}) {
         AssignLarge(patchOf, graph.Size(), Index(-1));
-        Start(step, progress.threads);
+        Start(step, progress);
         for (Index c = 0; c < Index(center.size()); ++c)
             Offer(center[c].node, c, 0, 0);
         Finish(center, progress);
@@ -44,7 +44,7 @@ class PatchGrower {
     /// The same if patchOf is set for some nodes, which connect to the centre of their patch, and -1 for others.
     /// \param front at least all set nodes that have a neighbour which is not set
     void GrowFrom(const std::vector<Index> &front, std::vector<Center> &center, double step, const Progress &progress) {
-        Start(step, progress.threads);
+        Start(step, progress);
         for (Index c = 0; c < Index(center.size()); ++c)
             if (patchOf[center[c].node] < 0)
                 Offer(center[c].node, c, 0, 0);
@@ -54,6 +54,8 @@ class PatchGrower {
     }
 
   private:
+    static constexpr const char *stage = "Growing patches";
+
     struct Offered {
         Index node, patch;
     };
@@ -62,17 +64,19 @@ class PatchGrower {
         float best; ///< squared distance of the best offer; negative once assigned
     };
 
-    void Start(double step, unsigned threads) {
+    void Start(double step, const Progress &progress) {
+        progress(0, stage);
         inverseStep = float(std::min(1 / step, 1e30)); // finite: 0 times it is 0
         bucket.resize(4096);
         assigned = 0;
         if (!state)
             state = LargeArray<State>(graph.Size());
-        ParallelFor(threads, graph.Size(), 1 << 16, [&](std::size_t first, std::size_t last) {
+        ParallelFor(progress.threads, graph.Size(), 1 << 16, [&](std::size_t first, std::size_t last) {
             for (std::size_t u = first; u < last; ++u)
                 state[u] = {graph.position(0, u), graph.position(1, u), graph.position(2, u),
                             patchOf[u] < 0 && TakesPart(Index(u)) ? std::numeric_limits<float>::infinity() : -1};
         });
+        progress(0, stage);
     }
 
     void Offer(Index node, Index patch, float d2, std::size_t current) {
@@ -113,7 +117,7 @@ class PatchGrower {
                 state[o.node].best = -1;
                 patchOf[o.node] = o.patch;
                 if ((++assigned & 0xffff) == 0)
-                    progress(double(assigned) / graph.Size(), "Growing patches");
+                    progress(double(assigned) / graph.Size(), stage);
                 OfferNeighbours(o.node, o.patch, center[o.patch].position, b);
             }
             bucket[b].clear();
