@@ -7,10 +7,8 @@
 #include <QPainter>
 #include <QPixmap>
 
-namespace {
-
 /// A bent bar with a red handle and a blue fixed end.
-QIcon bendIcon() {
+static QIcon bendIcon() {
     QPixmap pixmap(64, 64);
     pixmap.fill(Qt::transparent);
     QPainter painter(&pixmap);
@@ -26,7 +24,7 @@ QIcon bendIcon() {
 }
 
 /// Two curves, and pairs of points between them.
-QIcon fitIcon() {
+static QIcon fitIcon() {
     QPixmap pixmap(64, 64);
     pixmap.fill(Qt::transparent);
     QPainter painter(&pixmap);
@@ -47,8 +45,6 @@ QIcon fitIcon() {
     draw(blue, QRectF(8, 32, 48, 44), {{18, 44}, {46, 44}});
     return QIcon(pixmap);
 }
-
-} // namespace
 
 EditFcd::EditFcd() : bend(announce(bendIcon(), "FCD: Bend")), fit(announce(fitIcon(), "FCD: Fit")) {}
 

@@ -4,7 +4,7 @@
 #include "filter_reports.h"
 
 #include <layer_fcd/deformation_uses.h>
-#include <layer_fcd/graph_layer.h>
+#include <layer_fcd/new_layers.h>
 #include <layer_fcd/layer_deformer.h>
 #include <layer_fcd/layer_labels.h>
 
@@ -15,14 +15,10 @@
 using vcg::fcd::Error;
 using vcg::fcd::Progress;
 
-namespace {
-
 /// "3 steps, ", where there are several.
-std::string inSteps(const vcg::fcd::PoseWay &way) {
+static std::string inSteps(const vcg::fcd::PoseWay &way) {
     return way.steps > 1 ? std::to_string(way.steps) + " steps, " : std::string();
 }
-
-} // namespace
 
 HostFilterPlugin::ReturnedValues FilterFcd::buildGraph(const RichParameterList &parameters, MeshDocument &document,
                                                        MeshModel &layer, const Progress &progress) {
@@ -138,14 +134,6 @@ HostFilterPlugin::ReturnedValues FilterFcd::copy(const RichParameterList &parame
             "'.");
     warn(made.warnings);
     return {{"layers", int(targets.size())}, {"vertices", made.vertices}};
-}
-
-HostFilterPlugin::ReturnedValues FilterFcd::save(const RichParameterList &parameters, const MeshDocument &document,
-                                                 const Progress &progress) {
-    const SavedDeformation saved = saveDeformation(read<SaveDeformationParam>(parameters, document), toLog(), progress);
-    logLine(describe(saved));
-    warn(warningsOf(saved));
-    return valuesOf(saved);
 }
 
 void FilterFcd::warnOf(const vcg::fcd::PoseWay &way, bool converged, double discretisationError) const {

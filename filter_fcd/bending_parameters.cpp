@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "common_parameters.h"
+#include "filter_parameters.h"
 
 using host::Shown;
 
@@ -36,28 +36,19 @@ void askSmoothness(Fields &fields, double &smoothness, Shown shown) {
         "stiffen the surface. <b>Lower it</b> to keep lengths better; bends may then be sharp near handles.");
 }
 
-void askFalloff(Fields &fields, vcg::fcd::Falloff &falloff) {
-    if (host::scriptsMayLackParameters)
-        fields.choice("falloff", falloff, Shown::Advanced, falloffText());
-}
-
-void askElastic(Fields &fields, bool &elastic) {
-    if (host::scriptsMayLackParameters)
-        fields.field("elastic", elastic, Shown::Advanced, elasticText());
-}
-
-void askRigidity(Fields &fields, double &rigidity) {
-    if (host::scriptsMayLackParameters)
-        fields.field("rigidity", rigidity, Shown::Advanced, rigidityText());
+void askElasticity(Fields &fields, vcg::fcd::DeformationParam &deformation) {
+    askSmoothness(fields, deformation.smoothness, Shown::Always);
+    if (!host::scriptsMayLackParameters)
+        return;
+    fields.choice("falloff", deformation.falloff, Shown::Advanced, falloffText());
+    fields.field("elastic", deformation.elastic, Shown::Advanced, elasticText());
+    fields.field("rigidity", deformation.rigidity, Shown::Advanced, rigidityText());
 }
 
 void askBending(Fields &fields, vcg::fcd::DeformationParam &deformation, bool all) {
     using vcg::fcd::GraphWeights;
     using vcg::fcd::PatchMeasure;
-    askSmoothness(fields, deformation.smoothness, Shown::Always);
-    askFalloff(fields, deformation.falloff);
-    askElastic(fields, deformation.elastic);
-    askRigidity(fields, deformation.rigidity);
+    askElasticity(fields, deformation);
     fields.field("max_iterations", deformation.maxIterations, Shown::Advanced, "Maximum iterations",
                  "The shape is improved until it converges, at most this often. <b>Raise it</b> when the log says that "
                  "it did not converge. A converged result does not change.");
@@ -100,14 +91,6 @@ void askBending(Fields &fields, vcg::fcd::DeformationParam &deformation, bool al
             "one for each 60 degrees. <b>Raise it</b> (to 10, say) when the log says that the shape jumps on its way.");
     if (fields.areRead())
         deformation.Validate();
-}
-
-void askDisplacement(Fields &fields, bool &displacement) {
-    if (host::scriptsMayLackParameters)
-        fields.field(
-            "displacement", displacement, Shown::Advanced, "Add displacement",
-            "Also gives the vertices of the result the vector attribute 'fcd_displacement': how far each went along x, "
-            "y and z, in the layer's coordinates. Scripts read it as vertex_custom_point_attribute_matrix.");
 }
 
 void askGraphLayers(Fields &fields, bool &graphLayers) {

@@ -4,7 +4,7 @@
 #include "dialogs.h"
 #include "filter_parameters.h"
 
-#include <layer_fcd/marks.h>
+#include <layer_fcd/kept_tool.h>
 
 #include <algorithm>
 #include <exception>

@@ -5,15 +5,11 @@
 
 #include <QSet>
 
-namespace {
-
-Scalarm diagonal(const MeshDocument &document) {
+static Scalarm diagonal(const MeshDocument &document) {
     const MeshModel *layer = document.mm();
     const Scalarm length = layer && !layer->cm.bbox.IsNull() ? layer->cm.bbox.Diag() : 0;
     return length > 0 && std::isfinite(length) ? length : 1;
 }
-
-} // namespace
 
 QString Fields::shared(const QString &text) {
     static QSet<QString> all;

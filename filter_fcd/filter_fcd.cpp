@@ -3,13 +3,15 @@
 #include "filter_parameters.h"
 #include "filter_reports.h"
 
+#include <layer_fcd/inherited.h>
 #include <layer_fcd/kept_aside.h>
 #include <layer_fcd/layer_fitter.h>
 #include <layer_fcd/layer_labels.h>
 #include <layer_fcd/layer_state.h>
 #include <layer_fcd/layer_straightener.h>
 #include <layer_fcd/layer_symmetrizer.h>
-#include <layer_fcd/results.h>
+#include <layer_fcd/new_layers.h>
+#include <layer_fcd/session_file.h>
 #include <layer_fcd/tagging.h>
 
 #include <memory>
@@ -19,10 +21,8 @@
 using vcg::fcd::Error;
 using vcg::fcd::Progress;
 
-namespace {
-
 /// The current layer. \throw Error there is none, or it is empty
-MeshModel &input(MeshDocument &document) {
+static MeshModel &input(MeshDocument &document) {
     MeshModel *layer = document.mm();
     if (!layer)
         throw Error("There is no layer. Open a mesh first.");
@@ -30,8 +30,6 @@ MeshModel &input(MeshDocument &document) {
         throw Error("The layer " + inQuotes(*layer) + " has no vertices. Make the mesh the current layer.");
     return *layer;
 }
-
-} // namespace
 
 FilterFcd::FilterFcd() {
     announce(SaveTags + 1);
@@ -87,21 +85,27 @@ HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList 
     switch (id) {
     case BuildGraph: return buildGraph(parameters, document, layer, progress);
     case DeformMesh: return deformMesh(parameters, document, layer, progress);
-    case FitMesh: return tell(fitLayer(document, layer, read<FitMeshParam>(parameters, document), toLog(), progress));
+    case FitMesh:
+        return tellBent(fitLayer(document, layer, read<FitMeshParam>(parameters, document), toLog(), progress));
     case StraightenMesh:
-        return tell(
+        return tellBent(
             straightenLayer(document, layer, read<StraightenMeshParam>(parameters, document), toLog(), progress));
     case Symmetrize:
-        return tell(symmetrizeLayer(document, layer, read<SymmetrizeParam>(parameters, document), toLog(), progress));
+        return tellBent(
+            symmetrizeLayer(document, layer, read<SymmetrizeParam>(parameters, document), toLog(), progress));
     case Compensate:
         return tell(
             compensateLayer(document, layer, read<CompensateLayerParam>(parameters, document), toLog(), progress));
-    case PoseSequence:
-        return tell(makeSequence(document, layer, preparedLayers, read<SequenceParam>(parameters, document), toLog(),
-                                 progress));
+    case PoseSequence: {
+        const SequenceLayers made =
+            makeSequence(document, layer, preparedLayers, read<SequenceParam>(parameters, document), toLog(), progress);
+        warnOf({1, made.report.jumps, made.report.unstable}, made.report.converged, made.report.discretisationError);
+        return tell(made);
+    }
     case PoseInPlace: return pose(parameters, document, layer, progress);
     case CopyDeformation: return copy(parameters, document, layer, progress);
-    case SaveDeformation: return save(parameters, document, progress);
+    case SaveDeformation:
+        return tell(saveDeformation(read<SaveDeformationParam>(parameters, document), toLog(), progress));
     case ResetPose: resetPose(document, layer, read<ResetPoseParam>(parameters, document), toLog()); return {};
     case Tag:
     case TagSelection:
@@ -123,30 +127,20 @@ HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList 
     throw Error("Unknown filter.");
 }
 
-/// Logs a result with its warnings. \return \p values
-HostFilterPlugin::ReturnedValues FilterFcd::tell(const std::string &line, const std::vector<std::string> &warnings,
-                                                 const ReturnedValues &values) const {
-    logLine(line);
-    warn(warnings);
-    return values;
+template <class Made>
+HostFilterPlugin::ReturnedValues FilterFcd::tell(const Made &made) const {
+    logLine(describe(made));
+    warn(warningsOf(made));
+    return valuesOf(made);
 }
 
 template <class Made>
-HostFilterPlugin::ReturnedValues FilterFcd::tell(const Made &made) const {
+HostFilterPlugin::ReturnedValues FilterFcd::tellBent(const Made &made) const {
     logLine(describe(made.result.surface));
     ReturnedValues values = valuesOf(made.result);
-    values.merge(valuesOf(made));
     warn(warningsOf(made.result.contact));
-    return tell(describe(made), warningsOf(made), values);
-}
-
-HostFilterPlugin::ReturnedValues FilterFcd::tell(const SequenceLayers &made) const {
-    warnOf({1, made.report.jumps, made.report.unstable}, made.report.converged, made.report.discretisationError);
-    return tell(describe(made), warningsOf(made), valuesOf(made));
-}
-
-HostFilterPlugin::ReturnedValues FilterFcd::tell(const CompensatedLayers &made) const {
-    return tell(describe(made), made.report.Warnings(), valuesOf(made));
+    values.merge(tell(made));
+    return values;
 }
 
 HostFilterPlugin::ReturnedValues FilterFcd::report(const vcg::fcd::TagCount &tags) const {
@@ -167,6 +161,21 @@ HostFilterPlugin::ReturnedValues FilterFcd::clearTags(const MeshDocument &docume
                     "they have.",
                 GLLogStream::WARNING);
     return {{"other_vertices", made.others}, {"new_vertices", made.placed}};
+}
+
+HostFilterPlugin::ReturnedValues FilterFcd::session(int id, const RichParameterList &parameters,
+                                                    const MeshDocument &document, MeshModel &layer) const {
+    const QString file = id == SaveSession ? read<SaveSessionParam>(parameters, document).file
+                                           : read<LoadSessionParam>(parameters, document).file;
+    if (id == SaveSession)
+        inheritState(document, layer);
+    const SessionContents contents = id == SaveSession ? saveSession(layer, file) : loadSession(document, layer, file);
+    logLine((id == SaveSession ? "Saved: " : "Loaded: ") + describe(contents));
+    return {{"marks", contents.marks},     {"colors", contents.colors},
+            {"rest_shape", contents.rest}, {"earlier", contents.earlier},
+            {"poses", contents.poses},     {"tool", contents.tool},
+            {"pairs", contents.pairs},     {"fit_options", contents.fitOptions},
+            {"fitted", contents.fitted},   {"moved_vertices", contents.moved}};
 }
 
 // The sources of moc: compiled here, so that all of MeshLab is not included once more.

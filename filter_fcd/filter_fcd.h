@@ -7,8 +7,6 @@
 #include "dialogs.h"
 
 #include <layer_fcd/filter_host.h>
-#include <layer_fcd/layer_compensator.h>
-#include <layer_fcd/layer_sequence.h>
 #include <layer_fcd/parameters.h>
 
 /// Fast Centroidal Deformation: the filters that build a deformation graph and deform a mesh with it.
@@ -65,17 +63,15 @@ class FilterFcd : public HostFilterPlugin {
                         const vcg::fcd::Progress &progress);
     ReturnedValues copy(const RichParameterList &parameters, MeshDocument &document, MeshModel &current,
                         const vcg::fcd::Progress &progress);
-    ReturnedValues save(const RichParameterList &parameters, const MeshDocument &document,
-                        const vcg::fcd::Progress &progress);
     ReturnedValues session(int id, const RichParameterList &parameters, const MeshDocument &document,
                            MeshModel &layer) const;
     ReturnedValues clearTags(const MeshDocument &document, MeshModel &layer) const;
+    /// Logs a result with its warnings. \return its values
     template <class Made>
     ReturnedValues tell(const Made &made) const;
-    ReturnedValues tell(const SequenceLayers &made) const;
-    ReturnedValues tell(const CompensatedLayers &made) const;
-    ReturnedValues tell(const std::string &line, const std::vector<std::string> &warnings,
-                        const ReturnedValues &values) const;
+    /// The same with the surface, contact and values of made.result.
+    template <class Made>
+    ReturnedValues tellBent(const Made &made) const;
     void warn(const std::vector<std::string> &warnings) const {
         for (const std::string &warning : warnings)
             logLine(warning, GLLogStream::WARNING);

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <layer_fcd/kept_deformation.h> // these before Qt
-#include <layer_fcd/kept_graph.h>
+#include <layer_fcd/kept_graph.h> // these before Qt
 
-#include "common_parameters.h"
+#include "filter_parameters.h"
 
 using host::Shown;
 
-namespace {
-
 /// The layers of a deformation; the default is the last one.
-void askLayers(Fields &fields, DeformationLayers &layers) {
+static void askLayers(Fields &fields, DeformationLayers &layers) {
     const DeformationLayers last = lastDeformation(fields.document);
     fields.layer(
         "source_layer", layers.source, last.source ? last.source : fields.document.mm(), Shown::Always, "Source layer",
@@ -21,7 +18,14 @@ void askLayers(Fields &fields, DeformationLayers &layers) {
                  "Deformed graph", "The layer with the same graph, deformed.");
 }
 
-} // namespace
+/// Whether to add the attribute "fcd_displacement".
+static void askDisplacement(Fields &fields, bool &displacement) {
+    if (host::scriptsMayLackParameters)
+        fields.field(
+            "displacement", displacement, Shown::Advanced, "Add displacement",
+            "Also gives the vertices of the result the vector attribute 'fcd_displacement': how far each went along x, "
+            "y and z, in the layer's coordinates. Scripts read it as vertex_custom_point_attribute_matrix.");
+}
 
 void ask(Fields &fields, BuildGraphParam &param) {
     askTargetRadius(fields, param.graph, Shown::Always);
@@ -141,4 +145,113 @@ void ask(Fields &fields, SaveDeformationParam &param) {
     }
     if (fields.areRead())
         param.validate();
+}
+
+void ask(Fields &fields, StraightenMeshParam &param) {
+    const MeshModel *current = fields.document.mm();
+    const MeshModel *line = current; // the only layer with edges, or else the current one, which is no line
+    int lines = 0;
+    for (const MeshModel *layer : host::layers(fields.document))
+        if (layer != current && layer->cm.en > 0) {
+            line = layer;
+            ++lines;
+        }
+    fields.layer("line_layer", param.lineLayer, lines == 1 ? line : current, Shown::Always, "Line",
+                 "A layer with edges that form one open path. <b>The current layer itself</b>: the line comes from the "
+                 "file below.");
+    fields.openFile("line_file", param.lineFile, Shown::Always, {"*.pp", "*.csv", "*.txt"},
+                    "Line file (.pp, .csv, .txt)",
+                    "Picked points (.pp) in their order, or a list with <i>x, y, z</i> in each line, with commas, "
+                    "semicolons or blanks; lines that begin with # are comments. World coordinates. <b>Empty</b> (the "
+                    "default): the layer above is the line.");
+    fields.field(
+        "line_smoothing", param.smoothing, Shown::Advanced, "Line smoothing (percent of its length)",
+        "Removes wiggles shorter than about three times this part of the length, such as the steps of a skeleton of "
+        "voxels. 1 is much. <b>0</b> (the default): the line goes through its points. Only jitter of close points that "
+        "would stretch the surface by more than a hundredth is removed; the log says how much there was.",
+        -2);
+    const StraightenTexts texts = straightenTexts();
+    fields.field("middle", param.middle, Shown::Always, texts.middle);
+    fields.choice("to", param.shape, Shown::Always, texts.shape);
+    fields.field("angle", param.angle, Shown::Always, texts.angle);
+    fields.direction("direction", param.direction, Shown::Always, texts.direction.label, texts.direction.help);
+    fields.direction("towards", param.towards, Shown::Always, texts.towards.label, texts.towards.help);
+    fields.layer("target_layer", param.targetLayer, current, Shown::Always, texts.target.label, texts.target.help);
+    fields.field("reverse", param.reverse, Shown::Advanced, texts.reverse);
+    fields.field("length", param.length, Shown::Always, texts.length);
+    fields.field("untwist", param.untwist, Shown::Always, texts.untwist);
+    askInitialPatches(fields, param.bend.graph);
+    askSmoothness(fields, param.bend.smoothness);
+    askRandomSeed(fields, param.bend.graph);
+    askGraphLayers(fields, param.graphLayers);
+    fields.choice("straightened_quality", param.quality, Shown::Advanced, {"As the input", "Place along the line"},
+                  "Result quality",
+                  "The vertex quality of the result: that of the input, or how far along the line the vertex is, in "
+                  "world units from its beginning, for profiles and cuts.");
+    if (fields.areRead())
+        param.bend.Validate();
+}
+
+void ask(Fields &fields, SequenceParam &param) {
+    fields.openFile(
+        "poses_file", param.posesFile, Shown::Always, {"*.csv"}, "Pose table (.csv)",
+        "A table with commas, semicolons or tabs. The first row is <i>time, easing</i> and the names of the poses. A "
+        "row that begins with <i>motions</i> has their motions, as in 'Motions as text' (quoted where they hold the "
+        "separator). Each further row is a key frame: time in seconds, easing up to the next one (<i>linear</i>, "
+        "<i>smooth</i> or <i>hold</i>), and the percentage of each pose. Without key frames, poses follow each other, "
+        "a second each. <b>Empty</b> (the default): the poses that the layer keeps in this session.");
+    fields.field("frames_per_second", param.rate, Shown::Always, "Frames per second",
+                 "The rate of frames in files, and in layers where each frame is one.");
+    fields.choice("frame_layers", param.layers, Shown::Always, {"None", "Each key frame", "Each frame"}, "New layers",
+                  "What becomes a new layer, with all that the layer carries. A layer of a million vertices takes some "
+                  "hundred MB.");
+    fields.saveFile("gltf_file", param.gltfFile, Shown::Always, "*.glb", "Write animation to (.glb)",
+                    "glTF 2.0 with morph targets (shape keys) and their animation, for Blender and web pages, with the "
+                    "layer's colours and textures. World coordinates; single precision. An existing file is replaced. "
+                    "<b>Empty</b> (the default): none is written.");
+    fields.choice("gltf_shapes", param.shapes, Shown::Always, {"Each frame", "Each pose"}, "Morph targets",
+                  "<i>Each frame</i>: one for each frame; the animation is exact, and the file large. <i>Each "
+                  "pose</i>: one for each pose, by its name, to mix by hand. Mixed poses move in straight lines, so "
+                  "what turns shrinks; the log says by how much.");
+    if (host::scriptsMayLackParameters)
+        fields.field(
+            "all_visible", param.allVisible, Shown::Always, "All visible layers",
+            "The .glb file also has the other visible layers, except those of edges alone, such as graphs. They go "
+            "along with the current one, as 'FCD: Apply Deformation to Layer' carries them: eyes in a head, say.");
+    fields.saveFile("pc2_file", param.pc2File, Shown::Always, "*.pc2", "Write point cache to (.pc2)",
+                    "Positions of all vertices in each frame, for the mesh as it is saved (Blender's modifier 'Mesh "
+                    "Cache'). The layer's own coordinates; single precision. An existing file is "
+                    "replaced. <b>Empty</b> (the default): none is written.");
+    if (host::scriptsMayLackParameters)
+        fields.saveFile("mdd_file", param.mddFile, Shown::Always, "*.mdd", "Write point cache to (.mdd)",
+                        "The same in the format of LightWave, which other programs read as well. It has the time of "
+                        "each frame. An existing file is replaced. <b>Empty</b> (the default): none is written.");
+    fields.saveFile(
+        "save_poses_file", param.saveFile, Shown::Always, "*.csv", "Write poses to (.csv)",
+        "Writes poses and key frames as such a table, with a row that describes the surface: for another surface, the "
+        "table is an error. An existing file is replaced. <b>Empty</b> (the default): none is written.");
+    askInitialPatches(fields, param.deformation.graph);
+    askElasticity(fields, param.deformation);
+    askRandomSeed(fields, param.deformation.graph);
+    askTags(fields, param.handles);
+    if (!fields.areRead())
+        return;
+    param.handles.validate();
+    param.deformation.Validate();
+    param.deformation = asHandedOver(param.deformation); // so that deformers are shared with the other filters
+    param.validate();
+}
+
+void ask(Fields &fields, SaveSessionParam &param) {
+    fields.saveFile("session_file", param.file, Shown::Always, "*.fcd", "Write session to (.fcd)",
+                    "The file to write. An existing file is replaced.");
+    if (fields.areRead() && param.file.isEmpty())
+        throw vcg::fcd::Error("session_file is empty. Give the .fcd file to write the session to.");
+}
+
+void ask(Fields &fields, LoadSessionParam &param) {
+    fields.openFile("session_file", param.file, Shown::Always, {"*.fcd"}, "Session (.fcd)",
+                    "A file of 'FCD: Save Session' for this very layer.");
+    if (fields.areRead() && param.file.isEmpty())
+        throw vcg::fcd::Error("session_file is empty. Give the .fcd file with the session.");
 }

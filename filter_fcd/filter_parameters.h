@@ -55,4 +55,26 @@ Param read(const RichParameterList &given, const MeshDocument &document) {
     return param;
 }
 
+// --- parameters of several filters ---
+
+/// Tags and motions. \param shown of the parameters for motions
+void askHandles(Fields &fields, HandleParam &handles, host::Shown shown = host::Shown::Always);
+/// The tags alone.
+void askTags(Fields &fields, HandleParam &handles, host::Shown shown = host::Shown::Always);
+
+// The graph.
+void askTargetRadius(Fields &fields, vcg::fcd::GraphParam &graph, host::Shown shown = host::Shown::Advanced);
+void askInitialPatches(Fields &fields, vcg::fcd::GraphParam &graph, host::Shown shown = host::Shown::Advanced);
+void askRandomSeed(Fields &fields, vcg::fcd::GraphParam &graph);
+
+// The deformation.
+void askSmoothness(Fields &fields, double &smoothness, host::Shown shown = host::Shown::Advanced);
+/// Smoothness and, if scripts may lack these, falloff, elasticity and rigidity.
+void askElasticity(Fields &fields, vcg::fcd::DeformationParam &deformation);
+/// All of \p deformation but the graph and what is measured. \param all also newer parameters, which old scripts lack
+void askBending(Fields &fields, vcg::fcd::DeformationParam &deformation, bool all);
+
+/// Whether to add the graph as layers.
+void askGraphLayers(Fields &fields, bool &graphLayers);
+
 #endif

@@ -61,16 +61,12 @@ std::string describe(const MeshModel &layer, const TagTarget &target) {
            ", in the place of its own: 'FCD: Clear Tags' brings these back.";
 }
 
-namespace {
-
 /// A warning about flipped triangles of a pose.
-std::string describeFlipped(vcg::fcd::Index count) {
+static std::string describeFlipped(vcg::fcd::Index count) {
     return trianglesFlipped(std::size_t(count)) +
            ": the surface is squeezed or twisted too much there. Move the handles less, or leave more free surface "
            "between them.";
 }
-
-} // namespace
 
 HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::PoseWay &way) {
     return {{"steps", way.steps}, {"jumps", way.jumps}, {"stable", !way.unstable}};

@@ -51,6 +51,7 @@ HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::DeformationResult &res
 HostFilterPlugin::ReturnedValues valuesOf(const StraightenedLayers &made);
 HostFilterPlugin::ReturnedValues valuesOf(const SymmetrizedLayers &made);
 HostFilterPlugin::ReturnedValues valuesOf(const CompensatedLayers &made);
+inline std::vector<std::string> warningsOf(const CompensatedLayers &made) { return made.report.Warnings(); }
 
 std::string describe(const SequenceLayers &made);
 HostFilterPlugin::ReturnedValues valuesOf(const SequenceLayers &made);

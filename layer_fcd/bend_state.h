@@ -7,6 +7,7 @@
 #include <vcg_ext/handles/motion_text.h>
 #include <vcg_ext/sequence/pose_sequence.h>
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <memory>
@@ -78,7 +79,20 @@ struct BendState {
     std::size_t applies = 0;         ///< number since the tool started: each made its shape the rest shape
     std::size_t loads = 0;           ///< number of files since then: each brought options
 
-    bool operator==(const BendState &other) const;
+    bool operator==(const BendState &other) const {
+        const auto isSame = [](const vcg::fcd::MotionStep &a, const vcg::fcd::MotionStep &b) {
+            return a.kind == b.kind && a.vector == b.vector && a.degrees == b.degrees && a.about == b.about &&
+                   a.matrix == b.matrix;
+        };
+        return applies == other.applies && loads == other.loads && rims == other.rims && marks == other.marks &&
+               points == other.points && handles == other.handles && rank == other.rank && pose == other.pose &&
+               poses == other.poses && weights == other.weights && line == other.line &&
+               std::equal(motion.begin(), motion.end(), other.motion.begin(), other.motion.end(),
+                          [&](const auto &a, const auto &b) {
+                              return a.first == b.first && std::equal(a.second.begin(), a.second.end(),
+                                                                      b.second.begin(), b.second.end(), isSame);
+                          });
+    }
 };
 
 /// The axes that a handle is moved along and turned about.

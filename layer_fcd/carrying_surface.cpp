@@ -17,13 +17,9 @@ using vcg::fcd::Index;
 using vcg::fcd::NearestPlace;
 using vcg::fcd::Progress;
 
-namespace {
-
-bool isPlace(const MeshModel &layer, const Eigen::Matrix3Xd &position, std::size_t i) {
+static bool isPlace(const MeshModel &layer, const Eigen::Matrix3Xd &position, std::size_t i) {
     return !layer.cm.vert[i].IsD() && position.col(Eigen::Index(i)).allFinite();
 }
-
-} // namespace
 
 /// Finds the vertex of the surface at a position.
 class CarryingSurface::VerticesAtPlaces {

@@ -3,7 +3,7 @@
 
 #include "carrying_surface.h"
 #include "deformation_uses.h"
-#include "kept_deformation.h"
+#include "kept_graph.h"
 #include "layer_contents.h"
 #include "layer_labels.h"
 #include "layer_matrix.h"
@@ -79,11 +79,9 @@ DeformedCopies copyDeformation(MeshDocument &document, const CopyParam &param, c
     return made;
 }
 
-namespace {
-
 /// Maps positions and linear maps from the coordinates of a layer to the world. Vertices at rest stay so, to the bit.
-void toWorld(const Eigen::Affine3d &matrix, Eigen::Matrix3Xd &rest, Eigen::Matrix3Xd &deformed,
-             std::vector<Eigen::Matrix3f> &linear) {
+static void toWorld(const Eigen::Affine3d &matrix, Eigen::Matrix3Xd &rest, Eigen::Matrix3Xd &deformed,
+                    std::vector<Eigen::Matrix3f> &linear) {
     if (matrix.matrix().isIdentity(0))
         return;
     const Eigen::Matrix3d to = matrix.linear(), back = to.inverse();
@@ -97,8 +95,6 @@ void toWorld(const Eigen::Affine3d &matrix, Eigen::Matrix3Xd &rest, Eigen::Matri
         }
     });
 }
-
-} // namespace
 
 SavedDeformation saveDeformation(const SaveDeformationParam &param, const Remark &remark,
                                  const vcg::fcd::Progress &progress) {

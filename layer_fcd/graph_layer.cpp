@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "contrasting_colors.h"
-#include "graph_layer.h"
+#include "new_layers.h"
 #include "layer_labels.h"
 #include "layer_matrix.h"
 #include "layer_normals.h"
-#include "new_layers.h"
 #include "rest_shape.h"
 
 #include <cmath>

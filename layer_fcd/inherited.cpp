@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "inherited.h"
-#include "kept_scan.h"
+#include "kept_aside.h"
 #include "layer_contents.h"
 #include "mesh_copy.h"
 #include "rest_shape.h"
@@ -10,11 +10,9 @@
 
 // --- rest shapes ---
 
-namespace {
-
 /// For each vertex slot of \p mesh, the slot in \p rest of its original; empty unless all are copies.
 /// \param matrix that copies were moved by; null: none
-std::vector<std::size_t> copiedSlots(const CMeshO &mesh, const RestState &rest, const Matrix44m *matrix) {
+static std::vector<std::size_t> copiedSlots(const CMeshO &mesh, const RestState &rest, const Matrix44m *matrix) {
     const auto isAt = [matrix](const PosedVertex &vertex, const Point3m &p) {
         return matrix ? *matrix * toPoint(vertex.place()) == p : vertex.isAt(p);
     };
@@ -35,7 +33,7 @@ std::vector<std::size_t> copiedSlots(const CMeshO &mesh, const RestState &rest, 
 }
 
 /// The part of \p shape for copies. \param from slot of each copy's original \param matrix as of copiedSlots
-Shape copyOf(const Shape &shape, const std::vector<std::size_t> &from, const Matrix44m *matrix) {
+static Shape copyOf(const Shape &shape, const std::vector<std::size_t> &from, const Matrix44m *matrix) {
     Shape copy;
     Eigen::Matrix4d move = Eigen::Matrix4d::Identity();
     if (matrix)
@@ -50,8 +48,6 @@ Shape copyOf(const Shape &shape, const std::vector<std::size_t> &from, const Mat
     }
     return copy;
 }
-
-} // namespace
 
 std::optional<RestState> inheritedRest(const MeshModel &layer, const std::vector<const LayerState *> &others) {
     const CMeshO &mesh = layer.cm;

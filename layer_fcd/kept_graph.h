@@ -3,11 +3,16 @@
 #define FCD_KEPT_GRAPH_H
 
 #include "layer_state.h"
+#include "parameters.h"
+#include "prepared_layers.h"
 
+#include <cstdint>
+#include <memory>
 #include <optional>
+#include <vector>
 
 /// \file
-/// Which layers are deformation graphs, and of what.
+/// Which layers are deformation graphs, and of what, and the deformations that they keep.
 
 /// The graph state of \p layer, if a filter made it or its original; else none.
 std::optional<GraphState> graphOf(const MeshDocument &document, const MeshModel &layer);
@@ -19,5 +24,40 @@ bool isGraph(const MeshDocument &document, const MeshModel &layer);
 const MeshModel *likelyGraph(const MeshDocument &document, bool isDeformed);
 /// Call it before the layer of \p state is deleted: its copies inherit the graph state.
 void handDownGraph(const MeshDocument &document, const LayerState &state);
+
+/// A deformation by FCD: Deform Mesh. The layer of the deformed graph keeps it.
+struct Deformation {
+    std::shared_ptr<const Prepared> prepared;
+    vcg::fcd::Deformer::Pose pose;
+    std::vector<Point3m> rest; ///< positions of the source when it was deformed, per vertex slot
+    Eigen::Affine3d matrix;    ///< of the source then
+    std::uint64_t shape;       ///< shapeOf the source then
+    std::uint64_t corners;     ///< facesOf the source then
+    int vertices, faces;       ///< numbers of live ones
+    int source;                ///< number of that layer
+    int restGraph;             ///< number of the layer with the graph at rest
+};
+
+/// The source of a deformation as it was deformed.
+struct SourceThen {
+    Eigen::Matrix3Xd position; ///< 3 x slots
+    Eigen::Affine3d matrix;
+};
+
+/// Lets the layer \p graph keep the deformation of \p source.
+void keepDeformation(const MeshDocument &document, MeshModel &graph, const MeshModel &restGraph,
+                     const MeshModel &source, const std::shared_ptr<const Prepared> &prepared,
+                     const vcg::fcd::Deformer::Pose &pose);
+
+/// The deformation of layers.source. \param evenIfMoved also takes it if its source is elsewhere since
+/// \throw vcg::fcd::Error the layers are not those of one deformation
+const Deformation &deformationOf(const DeformationLayers &layers, bool evenIfMoved = false);
+
+/// The source of a deformation as it was then, or, if it has that shape, where it is now. \param remark is told if
+/// something has moved it since \param deformation as of deformationOf
+SourceThen sourceThen(MeshModel &source, const Deformation &deformation, const Remark &remark);
+
+/// The layers of the last deformation that is kept and has all of its layers.
+DeformationLayers lastDeformation(const MeshDocument &document);
 
 #endif

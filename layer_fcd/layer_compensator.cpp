@@ -2,7 +2,7 @@
 #include "layer_compensator.h"
 #include "layer_contents.h"
 #include "layer_labels.h"
-#include "line_surface.h"
+#include "layer_straightener.h"
 #include "new_layers.h"
 
 #include <sstream>
@@ -11,10 +11,8 @@ using vcg::fcd::ParallelFor;
 using vcg::fcd::Progress;
 using vcg::fcd::SurfaceView;
 
-namespace {
-
 /// The positions of \p view, world units.
-Eigen::Matrix3Xd inWorld(const SurfaceView &view, const Eigen::Affine3d &world) {
+static Eigen::Matrix3Xd inWorld(const SurfaceView &view, const Eigen::Affine3d &world) {
     Eigen::Matrix3Xd position = view.Copy();
     ParallelFor(0, view.vertexSlots, 1 << 14, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i)
@@ -22,8 +20,6 @@ Eigen::Matrix3Xd inWorld(const SurfaceView &view, const Eigen::Affine3d &world) 
     });
     return position;
 }
-
-} // namespace
 
 CompensatedLayers compensateLayer(MeshDocument &document, MeshModel &layer, const CompensateLayerParam &param,
                                   const Remark &remark, const Progress &progress) {

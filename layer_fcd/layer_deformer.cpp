@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "angle_normals.h"
-#include "graph_layer.h"
+#include "new_layers.h"
 #include "inherited.h"
 #include "kept_graph.h"
 #include "layer_contents.h"
 #include "layer_deformer.h"
 #include "layer_normals.h"
 #include "motion_sources.h"
-#include "new_layers.h"
-#include "results.h"
 #include "tag_sources.h"
 
 #include <algorithm>

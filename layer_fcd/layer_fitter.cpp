@@ -5,7 +5,7 @@
 #include "layer_fitter.h"
 #include "layer_labels.h"
 #include "layer_matrix.h"
-#include "marks.h"
+#include "kept_tool.h"
 #include "measured_quality.h"
 #include "motion_sources.h"
 #include "new_layers.h"
@@ -22,18 +22,14 @@ using vcg::fcd::Landmark;
 using vcg::fcd::Progress;
 using vcg::fcd::SurfaceView;
 
-namespace {
-
-std::vector<Landmark> readLandmarks(const MeshModel &layer, const Point3m *rest, const Handles &handles,
-                                    const QString &file, const QString &targets, const Remark &remark) {
+static std::vector<Landmark> readLandmarks(const MeshModel &layer, const Point3m *rest, const Handles &handles,
+                                           const QString &file, const QString &targets, const Remark &remark) {
     std::vector<Landmark> landmarks;
     if (!file.isEmpty() || !targets.isEmpty())
         for (const vcg::fcd::PointHandle &point : readPointHandles(layer, rest, file, targets, remark))
             landmarks.push_back({point.vertex, handles.world * point.target});
     return landmarks;
 }
-
-} // namespace
 
 LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam &asked, const Remark &remark,
                    const Progress &progress, const Point3m *rest, const Point3m *restNormal)

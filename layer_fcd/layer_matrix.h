@@ -6,6 +6,9 @@
 
 #include <Eigen/Geometry>
 
+#include <optional>
+#include <vector>
+
 /// The matrix of \p layer, from its coordinates to the world. \throw vcg::fcd::Error it is not finite, or not affine
 Eigen::Affine3d matrixOf(const MeshModel &layer);
 
@@ -21,5 +24,11 @@ Eigen::Matrix4d motionTo(const MeshModel &other, const MeshModel &layer);
 /// The positions of the live vertices of \p layer in the coordinates of one with the matrix \p to, 3 x k.
 /// \throw vcg::fcd::Error as matrixOf
 Eigen::Matrix3Xd positionsIn(const Eigen::Affine3d &to, const MeshModel &layer);
+
+/// The invertible affine map that takes each point of \p from to that of \p to, up to rounding.
+/// \param rounding of a coordinate, over the numbers that it is the sum of
+/// \return none if there is none, or if the points do not determine it: on a line, or in a plane that was stretched
+std::optional<Eigen::Affine3d> affineMapOf(const std::vector<Eigen::Vector3d> &from,
+                                           const std::vector<Eigen::Vector3d> &to, double rounding);
 
 #endif

@@ -11,7 +11,6 @@
 #include "motion_sources.h"
 #include "new_layers.h"
 #include "rest_shape.h"
-#include "results.h"
 #include "save_files.h"
 #include "tag_sources.h"
 
@@ -93,11 +92,9 @@ std::vector<std::map<int, Motion>> motionsOf(const PoseSequence &sequence, const
     return motions;
 }
 
-namespace {
-
 /// The layers that \p layer carries along. \param rest its positions at rest
-std::vector<Companion> companionsOf(const MeshDocument &document, const MeshModel &layer, Eigen::Matrix3Xd rest,
-                                    const Remark &remark, const Progress &progress) {
+static std::vector<Companion> companionsOf(const MeshDocument &document, const MeshModel &layer, Eigen::Matrix3Xd rest,
+                                           const Remark &remark, const Progress &progress) {
     std::vector<const MeshModel *> targets;
     for (const MeshModel *each : host::layers(document)) {
         const bool isOfEdges = each->cm.fn == 0 && each->cm.en > 0; // a graph, say
@@ -153,8 +150,6 @@ std::vector<Companion> companionsOf(const MeshDocument &document, const MeshMode
     }
     return companions;
 }
-
-} // namespace
 
 void takeFrames(SequenceParam::Layers which, const MeshModel &layer, const vcg::fcd::SurfaceView &surface,
                 const Deformer &deformer, vcg::fcd::SequenceOutput &output, const TakeFrame &take) {

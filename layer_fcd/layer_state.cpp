@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "inherited.h"
-#include "kept_deformation.h"
 #include "kept_graph.h"
 #include "kept_tool.h"
 #include "layer_labels.h"

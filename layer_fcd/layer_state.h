@@ -58,7 +58,7 @@ struct TaggedVertex {
 };
 
 /// Colours and quality of a layer before tags replaced them, with the positions that the vertices had then, so that new
-/// vertices on that surface get them, too (kept_scan.h).
+/// vertices on that surface get them, too (kept_aside.h).
 struct KeptScan {
     bool color = false, quality = false;       ///< tags replaced them: they are kept, or there were none
     bool hadColor = false, hadQuality = false; ///< there were some
@@ -134,7 +134,7 @@ struct FitToolState {
     }
 };
 
-/// A layer that is a result: its source, and its contents when it was made (results.h).
+/// A layer that is a result: its source, and its contents when it was made (new_layers.h).
 struct ResultState {
     int source = 0;             ///< number of that layer
     std::uint64_t contents = 0; ///< as of contentsOf
@@ -163,9 +163,9 @@ struct MeasuredState {
 struct LayerState {
     std::optional<RestState> rest;                  ///< none: it has never been posed in place
     std::optional<KeptScan> scan;                   ///< none: no tags replace colours or quality
-    std::vector<int> marks;                         ///< tag - 1 per vertex slot; empty: none (marks.h)
+    std::vector<int> marks;                         ///< tag - 1 per vertex slot; empty: none (kept_tool.h)
     std::optional<MeasuredState> measured;          ///< none: no filter here has measured its quality
-    std::string appliedName;                        ///< of the attribute for the tool's tags; empty: none (marks.h)
+    std::string appliedName;                        ///< of the attribute for the tool's tags; empty: none (kept_tool.h)
     std::optional<vcg::fcd::PoseSequence> poses;    ///< poses with names
     std::shared_ptr<const Deformation> deformation; ///< of a deformed graph
     std::shared_ptr<const ToolState> tool;          ///< null: FCD: Bend has marks and poses at most

@@ -3,10 +3,9 @@
 #include "layer_fitter.h"
 #include "layer_labels.h"
 #include "layer_symmetrizer.h"
-#include "line_sources.h"
-#include "line_surface.h"
-#include "new_layers.h"
 #include "point_sources.h"
+#include "layer_straightener.h"
+#include "new_layers.h"
 #include "weight_sources.h"
 
 #include <array>
@@ -22,9 +21,7 @@ using vcg::fcd::SurfaceView;
 using vcg::fcd::SymmetryGoal;
 using vcg::fcd::SymmetryMark;
 
-namespace {
-
-SymmetryGoal goalOf(const MeshModel &layer, const SymmetrizeParam &param, const Remark &remark) {
+static SymmetryGoal goalOf(const MeshModel &layer, const SymmetrizeParam &param, const Remark &remark) {
     SymmetryGoal goal;
     if (!param.planeNormal.isZero(0))
         goal.plane = vcg::fcd::MirrorPlane{param.planePoint, param.planeNormal};
@@ -58,9 +55,9 @@ SymmetryGoal goalOf(const MeshModel &layer, const SymmetrizeParam &param, const 
 }
 
 /// Adds a layer with the mirror image of the surface without a counterpart. \return its number of vertices
-std::size_t addMissing(NewLayers &layers, const SurfaceView &view, const Eigen::Affine3d &world,
-                       const vcg::fcd::MirrorPlane &plane, const std::vector<char> &matched,
-                       const Eigen::Matrix3Xd &position) {
+static std::size_t addMissing(NewLayers &layers, const SurfaceView &view, const Eigen::Affine3d &world,
+                              const vcg::fcd::MirrorPlane &plane, const std::vector<char> &matched,
+                              const Eigen::Matrix3Xd &position) {
     std::vector<std::size_t> number(view.vertexSlots, view.vertexSlots), chosen;
     std::vector<std::array<std::size_t, 3>> faces;
     const auto numberAmong = [&](std::size_t i) {
@@ -87,8 +84,6 @@ std::size_t addMissing(NewLayers &layers, const SurfaceView &view, const Eigen::
     layers.addSurface("mirrored", places, faces);
     return chosen.size();
 }
-
-} // namespace
 
 SymmetrizedLayers symmetrizeLayer(MeshDocument &document, MeshModel &layer, const SymmetrizeParam &asked,
                                   const Remark &remark, const Progress &progress) {

@@ -2,7 +2,7 @@
 #include "rest_shape.h" // which includes others before Qt
 
 #include "layer_contents.h"
-#include "marks.h"
+#include "kept_tool.h"
 #include "measured_quality.h"
 
 #include <algorithm>

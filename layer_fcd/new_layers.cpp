@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kept_aside.h"
-#include "kept_deformation.h"
+#include "kept_graph.h"
+#include "kept_tool.h"
+#include "layer_contents.h"
 #include "layer_labels.h"
 #include "layer_normals.h"
-#include "marks.h"
+#include "layer_state.h"
 #include "measured_quality.h"
 #include "mesh_copy.h"
 #include "new_layers.h"
 #include "rest_shape.h"
-#include "results.h"
 
 #include <vcg/complex/allocate.h>
 
@@ -66,6 +67,10 @@ QString unusedLabel(const MeshDocument &document, const QString &label, const st
         if (!taken)
             return tried;
     }
+}
+
+bool isAsMade(const MeshModel &layer, const ResultState &result) {
+    return contentsOf(layer) == result.contents && (result.ownNormals || !hasOwnNormals(layer));
 }
 
 } // namespace
@@ -228,4 +233,38 @@ MeshModel &NewLayers::addPatches(const QString &what, const std::vector<Index> &
     for (CFaceO &face : layer.cm.face)
         face.C() = face.cV(1)->cQ() == face.cV(2)->cQ() ? face.cV(1)->cC() : face.cV(0)->cC();
     return layer;
+}
+
+void showLast(MeshDocument &document, MeshModel &source, const std::vector<MeshModel *> &results) {
+    if (!host::inWindow() || results.empty())
+        return;
+    for (MeshModel *result : results)
+        host::setVisible(*result, result == results.back());
+    host::setVisible(source, false);
+    host::showChanges(document);
+}
+
+void showResult(MeshDocument &document, MeshModel &source, const std::vector<MeshModel *> &results) {
+    for (MeshModel *result : results)
+        LayerState::made(document, *result).result = {source.id(), contentsOf(*result), hasOwnNormals(*result),
+                                                      result->label()};
+    showLast(document, source, results);
+}
+
+MeshModel &sourceOf(MeshDocument &document, MeshModel &layer) {
+    const std::optional<ResultState> &result = LayerState::known(layer).result;
+    MeshModel *source = result && isAsMade(layer, *result) ? document.getMesh(result->source) : nullptr;
+    if (source && source->cm.vn > 0)
+        return *source;
+    return layer;
+}
+
+std::vector<MeshModel *> earlierResults(MeshDocument &document, const MeshModel &source) {
+    std::vector<MeshModel *> results;
+    for (const MeshModel *layer : host::layers(document)) {
+        const std::optional<ResultState> &result = LayerState::known(*layer).result;
+        if (result && result->source == source.id() && layer->label() == result->label && isAsMade(*layer, *result))
+            results.push_back(const_cast<MeshModel *>(layer));
+    }
+    return results;
 }

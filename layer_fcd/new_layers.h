@@ -87,4 +87,28 @@ class NewLayers {
     bool kept = false;
 };
 
+// --- results of filters in the window (host::inWindow), and their sources, so that one try replaces another ---
+
+/// Shows the last of \p results, if there are any, and hides the others and their \p source. Only in the window.
+void showLast(MeshDocument &document, MeshModel &source, const std::vector<MeshModel *> &results);
+
+/// The same, and remembers the source, so that another try replaces the results.
+void showResult(MeshDocument &document, MeshModel &source, const std::vector<MeshModel *> &results);
+
+/// The source of \p layer, if it still exists and \p layer has not changed since; else \p layer.
+MeshModel &sourceOf(MeshDocument &document, MeshModel &layer);
+
+/// The earlier results of \p source that have not changed since, to the bit: nothing was moved, painted, tagged,
+/// deleted or renamed.
+std::vector<MeshModel *> earlierResults(MeshDocument &document, const MeshModel &source);
+
+/// The vertices of \p graph in the coordinates of \p layer, 3 x k.
+/// \throw vcg::fcd::Error \p graph is null, is \p layer itself or has no vertex
+Eigen::Matrix3Xd readNodes(const MeshModel &layer, const MeshModel *graph);
+
+/// FCD: Build Deformation Graph: adds layers with the graph of \p layer, first its nodes, then those of \p param.
+/// \throw vcg::fcd::Error \throw vcg::fcd::Cancelled; the document is then as it was
+vcg::fcd::CentroidalGraph addGraphLayers(MeshDocument &document, MeshModel &layer, const BuildGraphParam &param,
+                                         const Remark &remark, const vcg::fcd::Progress &progress);
+
 #endif

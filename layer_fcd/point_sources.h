@@ -9,6 +9,8 @@
 
 #include "parameters.h" // Remark
 
+#include <Eigen/Core>
+
 #include <memory>
 #include <vector>
 
@@ -57,5 +59,13 @@ std::vector<vcg::fcd::PointHandle> readPointHandles(const MeshModel &layer, cons
 
 /// The pairs of such a file, unchanged. \throw as readPointHandles
 std::vector<vcg::fcd::PointPair> readPointPairs(const MeshModel &layer, const QString &file);
+
+/// The points of the line that the edges of \p layer form, 3 x n, world units.
+/// \throw vcg::fcd::Error naming the layer: no edges, a branch, a ring, several lines
+Eigen::Matrix3Xd readLine(const MeshModel &layer);
+
+/// The points of \p file, in their order, 3 x n: MeshLab's picked points (.pp), or a list of points.
+/// \throw vcg::fcd::Error with the file, and what is wrong in it
+Eigen::Matrix3Xd readLine(const QString &file);
 
 #endif

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "affine_map.h"
+#include "layer_matrix.h"
 #include "inherited.h"
 #include "layer_contents.h"
 #include "layer_labels.h"

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "session_format.h" // which includes others before Qt
+#include <vcg_ext/handles/handle_file.h> // before Qt
 
+#include "session_format.h" // which includes others before Qt
 #include "kept_tool.h"
 #include "layer_contents.h"
 #include "layer_normals.h"
 #include "rest_shape.h"
 #include "save_files.h"
 #include "session_file.h"
-#include "session_parts.h"
 #include "weight_sources.h"
-
-#include <vcg_ext/handles/handle_file.h>
 
 #include <vcg/complex/algorithms/update/bounding.h>
 
@@ -237,4 +235,35 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
     state.tool = std::move(next.tool);
     state.fit = std::move(next.fit);
     return contents;
+}
+
+std::string describe(const SessionContents &contents) {
+    std::string has;
+    const auto add = [&has](const std::string &what) { has += (has.empty() ? "" : ", ") + what; };
+    if (contents.marks)
+        add("marks");
+    if (contents.colors)
+        add("what tags stand in the place of");
+    if (contents.rest)
+        add(contents.earlier == 0   ? std::string("the rest shape")
+            : contents.earlier == 1 ? std::string("the rest shape and the one before it")
+                                    : "the rest shape and the " + std::to_string(contents.earlier) + " before it");
+    if (contents.poses > 0)
+        add(contents.poses == 1 ? std::string("a pose") : std::to_string(contents.poses) + " poses");
+    if (contents.tool)
+        add("handles and motions of 'FCD: Bend'");
+    if (contents.pairs > 0)
+        add("pairs of 'FCD: Fit': " + std::to_string(contents.pairs));
+    if (contents.fitOptions)
+        add("options of 'FCD: Fit'");
+    if (contents.fitted)
+        add("the fit that the layer shows");
+    std::string line = has + ".";
+    if (contents.moved > 0)
+        line += " The layer was at rest; it has the saved pose now.";
+    if (contents.hasMatrix)
+        line += " It has the saved matrix now.";
+    if (!contents.unfit.empty())
+        line += " Of 'FCD: Fit': " + contents.unfit + ".";
+    return line;
 }

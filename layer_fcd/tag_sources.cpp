@@ -4,7 +4,7 @@
 #include "layer_contents.h"
 #include "layer_labels.h"
 #include "layer_matrix.h"
-#include "marks.h"
+#include "kept_tool.h"
 #include "measured_quality.h"
 #include "point_sources.h"
 #include "tag_sources.h"

@@ -4,7 +4,7 @@
 #include "kept_aside.h"
 #include "layer_contents.h"
 #include "layer_matrix.h"
-#include "marks.h"
+#include "kept_tool.h"
 #include "motion_sources.h"
 #include "save_files.h"
 #include "tag_sources.h"

@@ -23,29 +23,28 @@ TOOL_ROOMS = {
     "kit": ["view"],
     "shape": [],
     "bend/model": ["shape", "kit/history.h"],
-    "bend/panel": ["kit", "view/stretch_colors.h", "bend/model/animation_export.h"],
+    "bend/panel": ["kit", "view/colors.h", "bend/model/animation_export.h"],
     "bend/tool": ["view", "kit", "shape", "bend/model", "bend/panel"],
     "fit/model": ["shape", "kit/history.h"],
-    "fit/panel": ["kit", "view/distance_colors.h", "fit/model/session.h"],
+    "fit/panel": ["kit", "view/colors.h", "fit/model/session.h"],
     "fit/tool": ["view", "kit", "shape", "fit/model", "fit/panel"],
     "": ["bend/tool", "fit/tool"],
 }
 # The floors of the other two, from below: a file includes what is on its own or a lower one.
 PLUGIN_FLOORS = {
     "layer_fcd": [
-        "meshlab_host edit_host filter_host parameters affine_map angle_normals bend_state bend_text contrasting_colors interrupt layer_labels layer_matrix mesh_copy"
+        "meshlab_host edit_host filter_host parameters angle_normals bend_state bend_text contrasting_colors interrupt layer_labels layer_matrix mesh_copy"
         " layer_normals picked_points save_files weight_sources",
-        "layer_state prepared_layers kept_deformation kept_graph kept_scan inherited kept_tool marks measured_quality session_format layer_contents rest_shape kept_aside"
-        " results session_parts session_tools session_shapes session_file",  # the state of a layer, which the document keeps
-        "line_sources line_surface motion_sources point_sources tag_sources",
+        "layer_state prepared_layers kept_graph inherited kept_tool measured_quality session_format layer_contents rest_shape kept_aside"
+        " session_parts session_file",  # the state of a layer, which the document keeps
+        "motion_sources point_sources tag_sources",
         "new_layers pose_in_place tagging deformation_uses graph_layer layer_fitter layer_straightener layer_symmetrizer layer_compensator"
         " layer_deformer layer_sequence carrying_surface layer_look",
     ],
     "filter_fcd": [
-        "fields filter_reports filter_parameters common_parameters",
-        "bending_parameters fit_parameters fitting_parameters handle_parameters sequence_parameters straighten_parameters"
-        " tag_parameters fit_reports dialogs",
-        "filter_fcd bending_filters filter_texts session_filters",
+        "fields filter_reports filter_parameters",
+        "bending_parameters fit_parameters handle_parameters fit_reports dialogs",
+        "filter_fcd bending_filters filter_texts",
     ],
 }
 UNGUARDED = re.compile(r"\b(connect|QTimer::singleShot|callOnTimeout)\(")

@@ -4,11 +4,9 @@
 #include <QKeySequence>
 #include <QStringList>
 
-namespace {
-
-QString shown(const ActionTable::Row &row) { return QString(row.keys).section('|', 0, 0).replace("Return", "Enter"); }
-
-} // namespace
+static QString shown(const ActionTable::Row &row) {
+    return QString(row.keys).section('|', 0, 0).replace("Return", "Enter");
+}
 
 const ActionTable::Row *ActionTable::of(const QKeyEvent &event) const {
     const QKeySequence pressed(event.key() | int(event.modifiers() & ~Qt::KeypadModifier));

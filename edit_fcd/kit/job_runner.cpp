@@ -3,11 +3,7 @@
 
 #include <utility>
 
-namespace {
-
-thread_local JobRunner *running = nullptr; // for tell(), which only gets a percentage
-
-} // namespace
+static thread_local JobRunner *running = nullptr; // for tell(), which only gets a percentage
 
 void JobRunner::begin(Work work, Ended ended) {
     stop();

@@ -21,10 +21,8 @@ std::optional<double> typedNumber(const QString &text) {
     return number;
 }
 
-namespace {
-
 /// An area that scrolls vertically only.
-QScrollArea *scrolled(QWidget *content) {
+static QScrollArea *scrolled(QWidget *content) {
     auto *area = named(new QScrollArea, "", "");
     area->setWidget(content);
     area->setWidgetResizable(true);
@@ -32,8 +30,6 @@ QScrollArea *scrolled(QWidget *content) {
     area->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
     return area;
 }
-
-} // namespace
 
 ToolPanel::ToolPanel(const QString &title, const char *name, int margin, int spacing, QWidget *parent)
     : QDockWidget(title, parent), head(new QVBoxLayout(new QWidget)), content(new QVBoxLayout(new QWidget)),

@@ -3,13 +3,9 @@
 
 using Names = MLRenderingData::ATT_NAMES;
 
-namespace {
-
 // Up to so many faces, normals and buffers of faces take about 3 ms, a quarter of a step (two cores; 270 000 take 16
 // ms).
 const int mostFaces = 50000;
-
-} // namespace
 
 void DisplayState::set(const MLRenderingData &data) {
     MLSceneGLSharedDataContext *shared = view.getSceneGLSharedContext();

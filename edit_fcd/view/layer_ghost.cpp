@@ -6,14 +6,10 @@
 #include <algorithm>
 #include <utility>
 
-namespace {
-
 // Software rendering (two cores) draws two such ghosts in 9 ms, about half of the time of a step of a drag.
 const std::size_t mostGhostFaces = 25000;
 // Points of a ghost: as dense as the pixels of a layer that fills a fifth of the view.
 const std::size_t mostGhostPoints = 20000;
-
-} // namespace
 
 bool GhostParts::isPoints(std::size_t faces) { return faces == 0 || faces > mostGhostFaces; }
 

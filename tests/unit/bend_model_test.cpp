@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <edit_fcd/bend/model/ghosts.h>
 #include <edit_fcd/bend/model/handles.h>
-#include <edit_fcd/bend/model/marks.h>
 #include <edit_fcd/bend/model/model.h>
 #include <edit_fcd/bend/model/named_poses.h>
 #include <edit_fcd/bend/model/steps.h>

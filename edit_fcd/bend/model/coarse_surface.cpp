@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "edit_fcd/bend/model/coarse_surface.h"
+#include "edit_fcd/bend/model/reach.h"
 
 #include <cmath>
 
 using vcg::fcd::Index;
 using vcg::fcd::SurfaceGraph;
 
-namespace {
-
 // Cells that a surface meets, times the area of a cell's side, over the surface's area: 1.5 for an oblique plane.
 const double cellsOfArea = 1.5;
 
 /// Numbers the clusters, in the order of their first nodes. Nodes of \p near stay alone. \return number of clusters
-Index findClusters(const SurfaceGraph &fine, double cell, const KeptNear &near, std::vector<Index> &cluster) {
+static Index findClusters(const SurfaceGraph &fine, double cell, const KeptNear &near, std::vector<Index> &cluster) {
     const Index n = fine.graph.Size();
     std::vector<Eigen::Vector3i> cellOf(static_cast<std::size_t>(n));
     std::vector<char> isKept(cellOf.size());
@@ -26,8 +24,6 @@ Index findClusters(const SurfaceGraph &fine, double cell, const KeptNear &near, 
     return vcg::fcd::ConnectedComponents(
         fine.graph.adjacency, [](Index) { return true; }, joins, cluster, {}, "");
 }
-
-} // namespace
 
 std::unique_ptr<SurfaceGraph> coarseOf(const SurfaceGraph &fine, Index most, const KeptNear &near) {
     const Index n = fine.graph.Size();

@@ -5,7 +5,7 @@
 
 #include <vcg_ext/base/words.h>
 
-#include <layer_fcd/line_sources.h>
+#include <layer_fcd/point_sources.h>
 #include <layer_fcd/save_files.h>
 
 using vcg::fcd::Error;

@@ -2,10 +2,13 @@
 #ifndef FCD_BEND_HANDLES_H
 #define FCD_BEND_HANDLES_H
 
+#include "edit_fcd/bend/model/reach.h"
+
 #include <layer_fcd/bend_state.h>
 
-/// \file
-/// Reads and changes what a state has of one handle, by its tag.
+#include <set>
+
+// --- what a state has of one handle, by its tag ---
 
 const BendHandle &handleOf(const BendState &state, int tag);
 void setHandle(BendState &state, int tag, BendHandle handle);
@@ -25,5 +28,28 @@ bool isGrip(const BendState &state, int tag);
 bool isFree(const BendState &state, std::size_t slot);
 /// The motions, for a change by hand: ends a blend of poses.
 std::map<int, std::vector<vcg::fcd::MotionStep>> &motionByHand(BendState &state);
+
+// --- marks, and the radius within which each bends the surface if nothing is marked as fixed; \a diagonal is that of
+// the bounding box; radii, rims and the diagonal are in world units ---
+
+/// The radius of a marked vertex.
+double rimAt(const BendState &state, std::size_t slot, double diagonal);
+/// The radius of a handle; of a marked one, that of its first vertex.
+double radiusOf(const BendState &state, int tag, double diagonal);
+/// \param vertexSlots number of all vertices
+void setRims(BendState &state, const std::vector<std::size_t> &vertices, double radius, std::size_t vertexSlots);
+/// Sets the radius, and the lowest rank, so that no gap makes the handle bend less.
+void setRadiusOf(BendState &state, int tag, double radius);
+
+/// Keeps marks apart: frees what else is held within the gap of a mark. Fixed vertices yield to handles, and older
+/// handles to newer ones, within the larger gap of the two. \param made in: the marks, out: tags
+void freeGaps(const BendState &state, BendReach &reach, BendTags &made);
+
+/// Gives the state new marks, and removes points whose vertex they take. \param marked the vertices of the new marks
+/// \param rim their radius \param known handles before \return tags of the new handles
+std::set<int> takeMarks(BendState &state, const BendTags &marks, const std::vector<std::size_t> &marked, double rim,
+                        const std::map<vcg::fcd::Index, Eigen::Vector3d> &known);
+/// Frees what a handle holds.
+void freeHandle(BendState &state, int tag);
 
 #endif

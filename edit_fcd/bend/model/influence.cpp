@@ -2,7 +2,6 @@
 #include "edit_fcd/bend/model/influence.h"
 
 #include "edit_fcd/bend/model/handles.h"
-#include "edit_fcd/bend/model/marks.h"
 
 #include <vcg_ext/handles/handles.h>
 

@@ -8,8 +8,6 @@
 
 // Where a limb begins, and where it bends along a stroke.
 
-namespace {
-
 // The root of a limb is where a cross-section has so many times the area of that at the pulled vertex. From one joint
 // to the next, a limb gets less thick than that. Where it meets the body, the section grows at once.
 const float thicker = 1.75;
@@ -47,8 +45,6 @@ const double leastFlatEnd = 0.65;
 const double leastInside = 0.125;
 
 const double nearestEnd = 4; // an end is farther from the center than all within that fraction of the usual radius
-
-} // namespace
 
 std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual, double hair) {
     wait();
@@ -233,8 +229,6 @@ std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double radius
     return turnsOneLimb(slot, pointed) ? std::optional(slot) : std::nullopt;
 }
 
-namespace {
-
 // First guess of a joint's distance from its handle, over the radius: the middle between the radius and the core. On a
 // limb, the other side is nearer; rounds correct that.
 const double toJoint = 0.75;
@@ -244,8 +238,6 @@ const double toJoint = 0.75;
 const double wider = 1.2, widest = 2;
 
 const int roundsToJoint = 3; // then the joint is off by a tenth of the thickness
-
-} // namespace
 
 /// The node at distance \p ahead from another one, on the way to an end, or beyond that. \param left distance of each
 /// node from the end \return -1: the surface ends before

@@ -2,26 +2,23 @@
 #include "edit_fcd/bend/model/model.h"
 
 #include "edit_fcd/bend/model/handles.h"
-#include "edit_fcd/bend/model/marks.h"
 #include "edit_fcd/bend/model/steps.h"
 
 #include <algorithm>
 
 using vcg::fcd::MotionStep;
 
-namespace {
-
 // Largest distance of a twin from the mirror image, over the diagonal: the sides of a body differ by that much.
 const double farthestTwin = 0.05;
 
 /// A handle's position at rest, world: the vertex of a point, else the middle.
-Eigen::Vector3d placeOf(const BendModel &model, int tag) {
+static Eigen::Vector3d placeOf(const BendModel &model, int tag) {
     const auto point = model.state.points.find(tag);
     return point == model.state.points.end() ? model.rest(tag)
                                              : model.ground.world * model.ground.at(point->second.slot);
 }
 
-Eigen::Vector3d normalOf(const BendModel &model, int tag) {
+static Eigen::Vector3d normalOf(const BendModel &model, int tag) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     const BendTags &tags = *model.influence.tags;
     for (std::size_t i = 0; i < tags.size(); ++i)
@@ -31,8 +28,6 @@ Eigen::Vector3d normalOf(const BendModel &model, int tag) {
         (motionAt(model, tag) * model.ground.world).linear().inverse().transpose() * sum; // as planes are turned
     return turned.norm() > 0 ? Eigen::Vector3d(turned.normalized()) : Eigen::Vector3d::UnitZ();
 }
-
-} // namespace
 
 Eigen::Vector3d BendModel::rest(int tag) const { return ground.world * influence.center.at(tag); }
 
@@ -131,13 +126,9 @@ bool isKeptApart(const BendModel &model, int tag) { return model.influence.apart
 
 bool turnsLimb(const BendModel &model, int tag) { return jointOf(model, tag).has_value(); }
 
-namespace {
-
 // Least length of each of two bones, over the other. Beyond an elbow or a knee, both are about as long. A finger or a
 // foot is shorter, and turns alone.
 const double shortestBone = 0.4;
-
-} // namespace
 
 int jointBefore(const BendModel &model, int tag, const Eigen::Vector3d &held) {
     int found = 0;

@@ -9,8 +9,6 @@
 #include <cstring>
 #include <set>
 
-namespace {
-
 // Nodes of the coarse surface: the extent of a handle takes about 2 ms, and a limb of 10 % of the diagonal is about
 // seven cells thick.
 const vcg::fcd::Index glanceNodes = 8000;
@@ -20,8 +18,6 @@ const vcg::fcd::Index middleNodes = 60000;
 
 // Radius of the part that keeps its nodes, over the diagonal: a figure's hand is so long.
 const float nearPlace = 0.075f;
-
-} // namespace
 
 void BendReach::begin() {
     if (surface || pending.valid())
@@ -143,11 +139,9 @@ const std::vector<std::size_t> &BendReach::of(const std::vector<std::size_t> &ve
     return reached;
 }
 
-namespace {
-
 /// Gives another label to a node, and to all nodes connected with it by nodes of the same label. \return these
-std::vector<vcg::fcd::Index> relabel(const vcg::fcd::Graph &graph, vcg::fcd::Index begin, int to,
-                                     std::vector<int> &label) {
+static std::vector<vcg::fcd::Index> relabel(const vcg::fcd::Graph &graph, vcg::fcd::Index begin, int to,
+                                            std::vector<int> &label) {
     const int before = label[std::size_t(begin)];
     label[std::size_t(begin)] = to;
     std::vector<vcg::fcd::Index> all, next = {begin};
@@ -165,8 +159,6 @@ std::vector<vcg::fcd::Index> relabel(const vcg::fcd::Graph &graph, vcg::fcd::Ind
 
 // Largest area of a tip, over that of the largest piece: a limb is much smaller than its body, halves of a bar are not.
 const float largestTip = 0.5;
-
-} // namespace
 
 std::vector<std::size_t> BendReach::piece(std::size_t slot, const std::vector<char> &isIn) {
     wait();

@@ -2,9 +2,7 @@
 #ifndef FCD_BEND_REACH_H
 #define FCD_BEND_REACH_H
 
-#include "edit_fcd/bend/model/coarse_surface.h"
-#include "edit_fcd/bend/model/vertex_faces.h"
-
+#include <vcg_ext/surface/surface_arrays.h>
 #include <vcg_ext/surface/surface_graph.h>
 
 #include <cstdint>
@@ -14,7 +12,56 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
+
+/// A ball in which a surface keeps its nodes, frame units.
+struct KeptNear {
+    Eigen::Vector3f middle = Eigen::Vector3f::Zero();
+    float radius = -1; ///< negative: none
+    bool holds(const Eigen::Vector3f &p) const { return (p - middle).norm() <= radius; }
+};
+
+/// A coarser surface: nodes that are connected within a cell of a grid become one, at their middle. Close parts that
+/// are not connected stay apart. Only members that BendReach reads are set.
+/// \param most about so many nodes, beside those of \p near
+/// \return null if it would not be smaller
+std::unique_ptr<vcg::fcd::SurfaceGraph> coarseOf(const vcg::fcd::SurfaceGraph &fine, vcg::fcd::Index most,
+                                                 const KeptNear &near = {});
+
+/// The faces of each vertex of a surface.
+class VertexFaces {
+  public:
+    explicit VertexFaces(std::shared_ptr<const vcg::fcd::SurfaceArrays> arrays)
+        : arrays(std::move(arrays)), surface(this->arrays->View()), begin(surface.vertexSlots + 1, 0) {
+        forCorners([&](std::uint32_t slot, std::size_t) { ++begin[slot]; });
+        std::uint32_t sum = 0;
+        for (std::uint32_t &each : begin)
+            each = sum += each; // the end; becomes the begin below
+        faceOf.resize(sum);
+        forCorners([&](std::uint32_t slot, std::size_t f) { faceOf[--begin[slot]] = std::uint32_t(f); });
+    }
+
+    std::size_t vertexSlots() const { return surface.vertexSlots; }
+    /// Calls \p body with the corners of each face of a vertex: three slots.
+    template <class Body>
+    void forEach(std::size_t slot, const Body &body) const {
+        for (std::uint32_t k = begin[slot]; k < begin[slot + 1]; ++k)
+            body(surface.corner + 3 * std::size_t(faceOf[k]));
+    }
+
+  private:
+    template <class Body>
+    void forCorners(const Body &body) const {
+        for (std::size_t f = 0; f < surface.faces; ++f)
+            for (std::size_t k = 0; k < 3 && surface.IsFace(f); ++k)
+                body(surface.corner[3 * f + k], f);
+    }
+
+    std::shared_ptr<const vcg::fcd::SurfaceArrays> arrays;
+    vcg::fcd::SurfaceView surface;
+    std::vector<std::uint32_t> begin, faceOf;
+};
 
 /// The extent of a handle along the surface of the rest shape. All lists are of vertex slots, ascending. Lengths in
 /// world units.

@@ -2,26 +2,20 @@
 #include <vcg_ext/surface/read_surface.h> // before Qt
 
 #include "edit_fcd/bend/model/handles.h"
-#include "edit_fcd/bend/model/marks.h"
 #include "edit_fcd/bend/model/session.h"
 
+#include <layer_fcd/bend_text.h>
+#include <layer_fcd/kept_tool.h>
 #include <layer_fcd/layer_contents.h>
-#include <layer_fcd/marks.h>
+#include <layer_fcd/layer_sequence.h>
+#include <layer_fcd/rest_shape.h>
+#include <layer_fcd/tag_sources.h>
 
 #include <algorithm>
-#include <cassert>
 #include <limits>
 
 using vcg::fcd::Error;
 using vcg::fcd::ParallelFor;
-
-namespace {
-
-// Radius of a limb that turns by itself, over that of the limb that was turned and has it, at most: for a finger and an
-// arm, it is less; for a forearm, more.
-const double thinLimb = 0.5;
-
-} // namespace
 
 BendSession::BendSession(MeshDocument &document, MeshModel &layer)
     : document(document), layer(layer), rest(layer), reach([this] {
@@ -189,158 +183,66 @@ void BendSession::cancel() {
     takeState();
 }
 
-int BendSession::addPoint(std::size_t slot, double usual) {
-    if (const std::size_t carrier = reach.carrierOf(slot, usualGap(rest.diagonal())); canBecomePoint(data, carrier))
-        slot = carrier;
-    return addAt(slot, reach.radiusAt(slot, usual));
+// --- what the layer keeps of a session, for later sessions and files ---
+
+static bool haveSame(const std::shared_ptr<const BendTags> &a, const std::shared_ptr<const BendTags> &b,
+                     const std::vector<std::size_t> &live) {
+    return a && b ? std::all_of(live.begin(), live.end(), [&](std::size_t i) { return (*a)[i] == (*b)[i]; }) : !a && !b;
 }
 
-/// Adds a handle around a vertex, and its twin.
-int BendSession::addAt(std::size_t slot, double radius) {
-    const auto add = [&, rank = rankOfNew(state())](std::size_t at) {
-        assert(canBecomePoint(data, at));
-        const int tag = data.influence.unusedTag();
-        data.state.points[tag] = {at, radius};
-        if (rank > 0)
-            data.state.rank[tag] = rank;
-        changeTagsOf(tag);
-        return tag;
-    };
-    const int tag = add(slot);
-    if (const auto other = twinSlot(slot))
-        add(*other);
-    return tag;
+/// The tags of a layer, null if there are none. A quality that is no valid tags counts as none.
+std::shared_ptr<const BendTags> BendSession::marksNow(const MeshModel &layer) {
+    HandleParam param;
+    param.source = HandleParam::Known;
+    auto present = std::make_shared<const BendTags>(readTags(layer, param));
+    return std::all_of(present->begin(), present->end(), [](int tag) { return tag == 1; }) ? nullptr : present;
 }
 
-std::shared_ptr<const BendExtent> BendSession::glimpse(std::size_t slot, double usual) {
-    reach.begin();
-    if (!reach.isRead())
-        return nullptr;
-    reach.lookAt(slot);
-    return glimpseAt(slot, usual);
+std::shared_ptr<const ToolState> BendSession::toolNow() const { return LayerState::known(layer).tool; }
+
+/// Makes the layer keep the state, if it is more than a filter's tags.
+void BendSession::keepState() {
+    BendState own = state();
+    own.marks.reset();
+    own.pose = BendState().pose;
+    own.applies = own.loads = 0;
+    keepTool(document, layer, own == BendState() ? "" : bendText(state(), data.options, liveSlots(layer.cm)),
+             isMoved(data));
+    kept = toolNow();
 }
 
-/// The same by what was looked at last.
-std::shared_ptr<const BendExtent> BendSession::glimpseAt(std::size_t slot, double usual) {
-    const double hair = usualGap(rest.diagonal());
-    BendReach &glance = reach.glance();
-    if (const std::size_t carrier = glance.carrierOf(slot, hair); canBecomePoint(data, carrier))
-        slot = carrier;
-    return glance.whole({slot}, glance.radiusAt(slot, usual), hair);
+bool BendSession::goOn() {
+    const std::shared_ptr<const ToolState> its = toolOf(layer);
+    if (!its)
+        return false;
+    const std::vector<std::size_t> live = liveSlots(layer.cm);
+    auto [known, options] = readBendText(its->text, layer.label().toStdString(), live, layer.cm.vert.size());
+    if (auto poses = posesOf(layer))
+        known.poses = std::make_shared<const vcg::fcd::PoseSequence>(std::move(*poses));
+    const bool hasWeights = known.weights.empty() || (known.poses && known.weights.size() == known.poses->pose.size());
+    const auto isOnFree = [&s = known](const auto &each) { return isFree(s, each.second.slot); };
+    if (!hasWeights || !haveSame(known.marks, state().marks, live) ||
+        !std::all_of(known.points.begin(), known.points.end(), isOnFree))
+        throw vcg::fcd::Error("The handles that the layer '" + layer.label().toStdString() +
+                              "' keeps do not fit its marks, or its poses: it is bent from the shape that it has now.");
+    if (its->isPosed)
+        rest.keepPosed([this] { keepRest(); });
+    data.state = std::move(known);
+    data.options = options;
+    takeState();
+    isLeft = its->isPosed;
+    return true;
 }
 
-std::shared_ptr<const BendExtent> BendSession::glimpseOf(int tag) {
-    const auto point = state().points.find(tag);
-    reach.begin();
-    return point == state().points.end() || !reach.isRead()
-               ? nullptr
-               : reach.glance().whole({point->second.slot}, point->second.radius, usualGap(rest.diagonal()));
-}
-
-std::shared_ptr<const BendExtent> BendSession::glimpseTwin(int tag, const BendExtent &own) {
-    if (tag)
-        return glimpseOf(mirrored(data, tag));
-    const auto slot = twinSlot(own.vertices.front());
-    return slot ? reach.glance().whole({*slot}, own.radius, usualGap(rest.diagonal())) : nullptr;
-}
-
-void BendSession::makeGrip(int tag) {
-    const auto point = data.state.points.find(tag);
-    if (point == state().points.end() || point->second.isGrip)
+void BendSession::follow(BendSession &&before) {
+    if (rest.world().matrix() != before.rest.world().matrix() || rest.positions() != before.rest.positions())
         return;
-    const int other = mirrored(data, tag);
-    point->second.isGrip = true;
-    changeTagsOf(tag);
-    if (other)
-        makeGrip(other);
-}
-
-/// The nearest turned handle from a vertex towards the body; 0: none.
-int BendSession::turnedLimb(std::size_t slot) const {
-    int found = 0;
-    std::size_t least = 0;
-    for (const auto &[tag, extent] : data.influence.extents) {
-        // Around the limb, also what is farther from the handle than its core turns with it.
-        const bool isOn = data.state.points.count(tag) > 0 &&
-                          (data.state.points.at(tag).slot == slot || tags()[slot] == tag || extent->shareOf(slot) == 1);
-        const std::size_t size = extent->beyond.size();
-        if (isOn && jointOf(data, tag) && !handleOf(state(), tag).isLocked && (!found || size < least)) {
-            found = tag;
-            least = size;
-        }
-    }
-    return found;
-}
-
-/// The vertex for a new handle of a vertex's limb; none if it is on no limb.
-std::optional<std::size_t> BendSession::newLimb(std::size_t slot, double usual) {
-    BendReach &glance = reach.glance();
-    const double hair = usualGap(rest.diagonal());
-    const std::size_t carrier = glance.carrierOf(slot, hair);
-    const std::optional<std::size_t> root = glance.rootOfLimb(carrier, usual, hair);
-    if (root && !canBecomePoint(data, *root))
-        return canBecomePoint(data, carrier) ? std::optional(carrier) : std::nullopt;
-    return root;
-}
-
-/// The handle of the limb that a vertex is on, else where a new one would be, if it is on a limb.
-std::pair<int, std::optional<std::size_t>> BendSession::limbOf(std::size_t slot, double usual) {
-    reach.lookAt(slot);
-    const int found = turnedLimb(slot);
-    const std::optional<std::size_t> root = newLimb(slot, usual);
-    if (found && !(root && reach.glance().radiusAt(*root, usual) < thinLimb * radiusOf(data, found)))
-        return {found, {}};
-    return {0, root};
-}
-
-std::pair<int, std::shared_ptr<const BendExtent>> BendSession::glimpseLimb(int tag, std::optional<std::size_t> slot,
-                                                                           double usual) {
-    if (const auto point = state().points.find(tag); point != state().points.end())
-        slot = point->second.slot;
-    reach.begin();
-    if (!slot || !reach.isRead())
-        return {0, nullptr};
-    const auto [found, root] = limbOf(*slot, usual);
-    return {found, found ? glimpseOf(found) : root ? glimpseAt(*root, usual) : nullptr};
-}
-
-int BendSession::limbAt(std::size_t slot, double usual) {
-    const auto [found, root] = limbOf(slot, usual);
-    if (found || !root)
-        return found;
-    const int tag = addPoint(*root, usual);
-    makeGrip(tag);
-    return tag;
-}
-
-void BendSession::setRadius(int tag, double radius) {
-    radius = std::min(std::max(radius, leastRadius * rest.diagonal()), mostRadius * rest.diagonal());
-    const int other = mirrored(data, tag);
-    setRadiusOf(data.state, tag, radius);
-    if (other)
-        setRadiusOf(data.state, other, radius);
-    changeTags();
-}
-
-void BendSession::setRimAt(std::size_t slot, double radius) {
-    const BendTags &marks = *state().marks;
-    std::vector<char> isFixed(marks.size());
-    for (std::size_t i = 0; i < isFixed.size(); ++i)
-        isFixed[i] = marks[i] == 0;
-    setRims(data.state, reach.piece(slot, isFixed), radius, marks.size());
-    changeTags();
-}
-
-void BendSession::removeHandle(int tag) {
-    freeHandle(data.state, tag);
-    changeTags();
-    writeMarks();
-}
-
-void BendSession::reset() {
-    motionByHand(data.state).clear();
-    if (state().poses || state().rank.empty())
-        return; // named poses rely on what handles bend
-    data.state.rank.clear();
-    changeTags();
+    history = std::move(before.history);
+    history.begin(before.state());
+    applied = std::move(before.applied);
+    data.state.applies = applies = before.applies;
+    optionsOf = std::move(before.optionsOf);
+    optionsOf.resize(before.loads + 2);
+    optionsOf[before.loads] = before.data.options;
+    data.state.loads = loads = before.loads + 1;
 }

@@ -5,7 +5,7 @@
 
 #include "edit_fcd/shape/script_call.h"
 
-#include <layer_fcd/marks.h>
+#include <layer_fcd/kept_tool.h>
 #include <layer_fcd/motion_sources.h>
 
 // The filter calls with which a script repeats what is applied.
@@ -13,10 +13,8 @@
 using vcg::fcd::Motion;
 using vcg::fcd::PoseSequence;
 
-namespace {
-
 /// Adds the options that all filter calls share.
-std::string withShape(ScriptCall call, const BendOptions &options) {
+static std::string withShape(ScriptCall call, const BendOptions &options) {
     const BendOptions usual;
     if (options.smoothness != usual.smoothness)
         call.with("smoothness", asTyped(options.smoothness));
@@ -27,8 +25,6 @@ std::string withShape(ScriptCall call, const BendOptions &options) {
         call.with("rigidity", asTyped(options.rigidity));
     return call.with("initial_patches", options.initialPatches, usual.initialPatches).end();
 }
-
-} // namespace
 
 std::string BendSession::filterCall(const std::string &script, const Call &own, bool graphLayers) const {
     const BendOptions usual;

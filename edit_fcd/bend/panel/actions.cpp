@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "edit_fcd/bend/panel/actions.h"
+#include "edit_fcd/bend/panel/panel.h"
 
 const ActionTable &bendActions() {
     static const ActionTable all = {

@@ -11,13 +11,11 @@
 
 using vcg::fcd::Error;
 
-namespace {
-
 /// The label without its unit, to save room.
-QString labelOf(const ParameterText &text) { return text.label.section(" (", 0, 0); }
+static QString labelOf(const ParameterText &text) { return text.label.section(" (", 0, 0); }
 
 /// A vector from three numbers, in the host's precision. \throw vcg::fcd::Error they are not three numbers
-Eigen::Vector3d directionIn(const QLineEdit &edit, const ParameterText &text) {
+static Eigen::Vector3d directionIn(const QLineEdit &edit, const ParameterText &text) {
     const QStringList words = QString(edit.text()).replace(QRegularExpression("[,;]"), " ").simplified().split(' ');
     Eigen::Vector3d direction;
     bool isNumber = words.size() == 3;
@@ -28,8 +26,6 @@ Eigen::Vector3d directionIn(const QLineEdit &edit, const ParameterText &text) {
                     "': give three numbers, x y z, or 0 0 0 where it follows from the line.");
     return direction;
 }
-
-} // namespace
 
 BendLineBox::BendLineBox(QWidget *parent) : QWidget(parent) {
     auto *form = new QFormLayout(this);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/panel/panel.h"
 
-#include "edit_fcd/bend/panel/actions.h"
-#include "edit_fcd/view/stretch_colors.h"
+#include "edit_fcd/view/colors.h"
 #include "edit_fcd/kit/tool_window.h"
 
 #include <layer_fcd/bend_state.h>
@@ -19,11 +18,7 @@
 #include <QVBoxLayout>
 #include <QWindow>
 
-namespace {
-
 const char *const brushSetting = "fcd/bend/brush", *const radiusSetting = "fcd/bend/radius";
-
-} // namespace
 
 BendPanel::BendPanel(QWidget *parent) : ToolPanel("FCD: Bend", "fcdBendPanel", 2, 3, parent) {
     addModes(*head);

@@ -2,11 +2,12 @@
 #ifndef FCD_BEND_PANEL_H
 #define FCD_BEND_PANEL_H
 
-#include <vcg_ext/centroidal_deformation.h> // before Qt, whose macros are common words
+#include <vcg_ext/centroidal_deformation.h> // before Qt
 
-#include "edit_fcd/bend/panel/handle_list.h"
 #include "edit_fcd/bend/panel/line_box.h"
+#include "edit_fcd/bend/panel/lists.h"
 #include "edit_fcd/bend/panel/pose_box.h"
+#include "edit_fcd/kit/action_table.h"
 #include "edit_fcd/kit/tool_list.h"
 
 #include <QButtonGroup>
@@ -19,6 +20,22 @@
 #include <QSlider>
 #include <QSpinBox>
 #include <QToolButton>
+
+/// The actions of keys in the view and of the panel's buttons.
+struct BendAction {
+    // clang-format off
+    enum Id {
+        Drag, Pull, Brush, Rectangle, Polyline, Line, // in the order of BendPanel::Mode
+        RemovePoint, Fixed, Free, Handle, NextHandle, Outside, Through,
+        Move, Turn, Scale, Limb, // in the order of BendDrag::Kind
+        Pivot, Undo, Redo, Reset, Cancel, End, ApplyInPlace, ApplyToNewLayer, Page,
+        MarkSelection, ClearMarks, TakeMotions, SaveSession, LoadSession // without a key
+    };
+    // clang-format on
+};
+
+const ActionTable &bendActions();
+QString bendKeyPage(); ///< HTML
 
 /// The panel of the tool. It shows and sets values, and decides nothing.
 class BendPanel : public ToolPanel {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/panel/panel.h"
 
-#include "edit_fcd/bend/panel/actions.h"
 #include "edit_fcd/kit/tool_window.h"
 
 #include <layer_fcd/parameters.h>
@@ -15,11 +14,7 @@
 
 // The buttons of the panel, and the parts that they unfold.
 
-namespace {
-
 const char *const onionSetting = "fcd/bend/onion_skin";
-
-} // namespace
 
 void BendPanel::addCommands(QBoxLayout &column) {
     auto *grid = new QGridLayout;
@@ -94,17 +89,13 @@ void BendPanel::showParts() {
     tracePlaces(*this);
 }
 
-namespace {
-
 /// A row with the choices of a parameter.
-QComboBox *addChoice(QFormLayout &form, const char *name, const ParameterText &words) {
+static QComboBox *addChoice(QFormLayout &form, const char *name, const ParameterText &words) {
     auto *choice = named(new QComboBox, name, words.help);
     choice->addItems(words.values);
     form.addRow(words.label, choice);
     return choice;
 }
-
-} // namespace
 
 void BendPanel::addMore(QBoxLayout &column) {
     auto *form = new QFormLayout(moreOptions);

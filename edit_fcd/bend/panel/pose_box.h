@@ -2,8 +2,7 @@
 #ifndef FCD_BEND_POSE_BOX_H
 #define FCD_BEND_POSE_BOX_H
 
-#include "edit_fcd/bend/panel/key_list.h"
-#include "edit_fcd/bend/panel/pose_list.h"
+#include "edit_fcd/bend/panel/lists.h"
 #include "edit_fcd/bend/panel/timeline.h"
 
 #include <QPushButton>

@@ -9,12 +9,8 @@
 #include <QMouseEvent>
 #include <QPainter>
 
-namespace {
-
 const int edge = 8, markAt = 8, markSize = 4; // pixels
 const double grasp = 4;                       // pixels: a press so near is on a mark
-
-} // namespace
 
 BendTimeline::BendTimeline(QWidget *parent) : QWidget(parent) {
     setObjectName("timeline");

@@ -6,7 +6,7 @@
 #include "edit_fcd/bend/tool/line_preview.h"
 #include "edit_fcd/bend/tool/onion_skin.h"
 
-#include "edit_fcd/bend/panel/actions.h"
+#include "edit_fcd/bend/panel/panel.h"
 
 #include <map>
 

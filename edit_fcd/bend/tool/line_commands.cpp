@@ -2,10 +2,10 @@
 #include "edit_fcd/bend/tool/bend_tool.h"
 
 #include "edit_fcd/bend/model/guide_line.h"
-#include "edit_fcd/bend/tool/line_interaction.h"
+#include "edit_fcd/bend/tool/interactions.h"
 #include "edit_fcd/view/trace.h"
 
-#include <layer_fcd/line_sources.h>
+#include <layer_fcd/point_sources.h>
 
 #include <QFileDialog>
 

@@ -6,10 +6,8 @@
 using vcg::fcd::LineGoal;
 using vcg::fcd::Progress;
 
-namespace {
-
 /// The answer for points of the line that is used.
-BendLinePreview::Found through(const Eigen::Matrix3Xd &points, double smoothing) {
+static BendLinePreview::Found through(const Eigen::Matrix3Xd &points, double smoothing) {
     BendLinePreview::Found found;
     found.points = points;
     const vcg::fcd::FramedLine line(points, smoothing);
@@ -21,11 +19,9 @@ BendLinePreview::Found through(const Eigen::Matrix3Xd &points, double smoothing)
     return found;
 }
 
-bool isSameLine(const LineGoal &a, const LineGoal &b) {
+static bool isSameLine(const LineGoal &a, const LineGoal &b) {
     return a.middle == b.middle && a.smoothing == b.smoothing && a.line.cols() == b.line.cols() && a.line == b.line;
 }
-
-} // namespace
 
 void BendLinePreview::look(const MeshModel &layer, std::uint64_t shape, const LineGoal &goal,
                            const vcg::fcd::StraightenParam &param) {

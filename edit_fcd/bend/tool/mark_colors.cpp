@@ -2,21 +2,17 @@
 #include "edit_fcd/bend/tool/mark_colors.h"
 
 #include "edit_fcd/bend/model/handles.h"
-#include "edit_fcd/view/stretch_colors.h"
+#include "edit_fcd/view/colors.h"
 
 #include <layer_fcd/tagging.h>
 
 #include <algorithm>
-
-namespace {
 
 const unsigned char opacity = 150;     // of marks and stretch, of 255: the surface shows through
 const unsigned char alongOpacity = 60; // of vertices that only move along, and can be pulled
 
 // Largest share of vertices for tint(): with more, finding the faces of each takes as long as testing all faces.
 const double mostColored = 0.125;
-
-} // namespace
 
 bool MarkColors::isStretch(const BendSession &session) const {
     return session.model().options.stretch && !session.marksBeingMade() && layer.cm.fn > 0;
@@ -41,17 +37,13 @@ std::vector<vcg::Color4b> MarkColors::of(const BendSession &session) {
     return color;
 }
 
-namespace {
-
-std::set<int> hiddenIn(const BendState &state) {
+static std::set<int> hiddenIn(const BendState &state) {
     std::set<int> hidden;
     for (const auto &[tag, each] : state.handles)
         if (each.isHidden)
             hidden.insert(tag);
     return hidden;
 }
-
-} // namespace
 
 /// One colour per vertex slot; empty if nothing is marked or turned.
 std::vector<vcg::Color4b> MarkColors::ofMarks(const BendSession &session) {

@@ -6,12 +6,8 @@
 
 #include <utility>
 
-namespace {
-
 // Each takes some hundred kilobytes.
 const std::size_t mostKnown = 32;
-
-} // namespace
 
 /// The work in the background, and its result.
 struct BendOnionSkin::Search {

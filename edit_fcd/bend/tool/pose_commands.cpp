@@ -4,7 +4,7 @@
 #include "edit_fcd/bend/panel/export_dialog.h" // before Qt
 
 #include "edit_fcd/bend/model/named_poses.h"
-#include "edit_fcd/bend/tool/animation_interaction.h"
+#include "edit_fcd/bend/tool/interactions.h"
 
 #include <layer_fcd/layer_labels.h>
 #include <layer_fcd/layer_sequence.h>

@@ -2,9 +2,7 @@
 #include "edit_fcd/bend/tool/bend_tool.h"
 
 #include "edit_fcd/bend/model/handles.h"
-#include "edit_fcd/bend/model/marks.h"
-#include "edit_fcd/bend/tool/line_interaction.h"
-#include "edit_fcd/bend/tool/mark_interaction.h"
+#include "edit_fcd/bend/tool/interactions.h"
 #include "edit_fcd/view/trace.h"
 
 #include <cmath>

@@ -2,7 +2,7 @@
 #include <vcg_ext/fit/fit_start.h> // before Qt
 
 #include "edit_fcd/fit/model/session.h"
-#include "edit_fcd/shape/applies.h"
+#include "edit_fcd/shape/rest_guard.h"
 
 #include <layer_fcd/kept_tool.h>
 #include <layer_fcd/layer_contents.h>

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/fit/panel/panel.h"
-
-#include "edit_fcd/view/distance_colors.h"
 #include "edit_fcd/kit/tool_window.h"
+#include "edit_fcd/view/colors.h"
 
 #include <cmath>
 
@@ -14,13 +13,9 @@
 #include <QToolButton>
 #include <QVBoxLayout>
 
-namespace {
-
 // The slider is logarithmic: 100 steps are a factor of 10.
-double stiffnessAt(int place) { return std::pow(10, place / 100.0); }
-int placeOf(double stiffness) { return int(std::lround(100 * std::log10(stiffness))); }
-
-} // namespace
+static double stiffnessAt(int place) { return std::pow(10, place / 100.0); }
+static int placeOf(double stiffness) { return int(std::lround(100 * std::log10(stiffness))); }
 
 FitPanel::FitPanel(QWidget *parent) : ToolPanel("FCD: Fit", "fcdFitPanel", 4, 5, parent) {
     addLayers(*head);
@@ -274,6 +269,26 @@ void FitPanel::showProgress(int percent) {
     progress->setEnabled(percent >= 0);
     cancel->setEnabled(percent >= 0);
     progress->setValue(std::max(0, percent));
+}
+
+const ActionTable &fitActions() {
+    static const ActionTable all = {
+        {FitAction::Undo, "Ctrl+Z"},
+        {FitAction::Redo, "Ctrl+Shift+Z"},
+        {FitAction::Remove, "Del"},
+        {FitAction::Reset, "Backspace"},
+        {FitAction::Pull, "P"},
+        {FitAction::Cancel, "Esc"},
+        {FitAction::InTurn, "1"},
+        {FitAction::Both, "2"},
+        {FitAction::Source, "3"},
+        {FitAction::Target, "4"},
+        {FitAction::Brush, "B"},
+        {FitAction::OtherBrush, "X"},
+        {FitAction::ApplyInPlace, "Ctrl+Return|Ctrl+Enter"},
+        {FitAction::ApplyToNew, "Ctrl+Shift+Return|Ctrl+Shift+Enter"},
+    };
+    return all;
 }
 
 #include "edit_fcd/fit/panel/moc_panel.cpp" // NOLINT(bugprone-suspicious-include)

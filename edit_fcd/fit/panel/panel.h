@@ -3,8 +3,7 @@
 #define FCD_FIT_PANEL_H
 
 #include "edit_fcd/fit/model/session.h" // before Qt
-
-#include "edit_fcd/fit/panel/actions.h"
+#include "edit_fcd/kit/action_table.h"
 #include "edit_fcd/kit/cell_list.h"
 #include "edit_fcd/kit/tool_list.h"
 
@@ -16,6 +15,20 @@
 #include <QProgressBar>
 #include <QPushButton>
 #include <QSlider>
+
+/// The actions of keys in the view and of the panel's buttons.
+struct FitAction {
+    // clang-format off
+    enum Id {
+        Undo, Redo, Remove, Reset, Pull, Cancel,
+        InTurn, Both, Source, Target, // in the order of FitPanel::Seen
+        Brush, OtherBrush, ApplyInPlace, ApplyToNew,
+        Load, Save, Clear, LoadCurves, ClearCurves, SaveSession, LoadSession // without a key
+    };
+    // clang-format on
+};
+
+const ActionTable &fitActions();
 
 /// The panel of the tool FCD: Fit. It shows and sets values, and decides nothing.
 class FitPanel : public ToolPanel {

@@ -2,7 +2,7 @@
 #include "edit_fcd/fit/tool/fit_tool.h"
 
 #include "edit_fcd/view/brush.h"
-#include "edit_fcd/view/distance_colors.h"
+#include "edit_fcd/view/colors.h"
 #include "edit_fcd/view/layer_ray.h"
 #include <layer_fcd/layer_matrix.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef FCD_STRETCH_COLORS_H
-#define FCD_STRETCH_COLORS_H
+#ifndef FCD_COLORS_H
+#define FCD_COLORS_H
 
 #include <layer_fcd/meshlab_host.h>
 
@@ -15,5 +15,10 @@ vcg::Color4b colorOfStretch(double exponent);
 /// the world \param opacity [0, 255]
 std::vector<vcg::Color4b> colorsOfStretch(const CMeshO &mesh, const std::vector<Point3m> &rest,
                                           const Eigen::Matrix3d &world, unsigned char opacity);
+
+/// The colour of a distance, from blue by green and yellow to red. \param part of the largest distance shown
+vcg::Color4b colorOfDistance(double part);
+/// The colour of vertices without a counterpart.
+vcg::Color4b colorOfNoCounterpart();
 
 #endif

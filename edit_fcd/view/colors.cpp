@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/surface/triangle_stretch.h> // before Qt
 
-#include "edit_fcd/view/stretch_colors.h"
+#include "edit_fcd/view/colors.h"
 
 #include <layer_fcd/parameters.h>
 
@@ -61,3 +61,15 @@ std::vector<vcg::Color4b> colorsOfStretch(const CMeshO &mesh, const std::vector<
     });
     return color;
 }
+
+vcg::Color4b colorOfDistance(double part) {
+    const double stops[][3] = {{40, 80, 220}, {40, 190, 160}, {110, 200, 60}, {250, 220, 50}, {215, 35, 35}};
+    const double at = 4 * std::clamp(part, 0.0, 1.0);
+    const int first = std::min(3, int(at));
+    const auto mixed = [&](int i) {
+        return (unsigned char)std::lround(stops[first][i] + (at - first) * (stops[first + 1][i] - stops[first][i]));
+    };
+    return vcg::Color4b(mixed(0), mixed(1), mixed(2), 255);
+}
+
+vcg::Color4b colorOfNoCounterpart() { return vcg::Color4b(150, 150, 150, 255); }

@@ -1,8 +1,54 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef FCD_BEND_ANIMATION_INTERACTION_H
-#define FCD_BEND_ANIMATION_INTERACTION_H
+#ifndef FCD_BEND_INTERACTIONS_H
+#define FCD_BEND_INTERACTIONS_H
 
 #include "edit_fcd/bend/tool/stage.h"
+#include "edit_fcd/view/brush.h"
+
+/// Marks vertices as the panel says, by brush, rectangle or polygon.
+class MarkInteraction : public BendInteraction {
+  public:
+    enum Kind { Brush, Rectangle, Polygon };
+
+    MarkInteraction(BendStage &stage, Kind kind);
+    /// Begins at the mouse.
+    void begin();
+    void cancel() override;
+    void move(QMouseEvent &event) override;
+    void release() override;
+    bool press(QMouseEvent &event) override;
+    bool doubleClick() override;
+    bool isCancelledByEsc() const override { return true; }
+    void draw() const override;
+
+  private:
+    std::vector<Eigen::Vector2d> outline() const;
+    void mark(const SeenPart::IsIn &isIn);
+    void brush();
+    void end();
+
+    // In window coordinates:
+    Kind kind;
+    std::vector<Eigen::Vector2d> corners; ///< of a polygon; a rectangle's two opposite ones; a brush's last place
+    std::vector<float> depth;             ///< from depthOf, to mark visible vertices only; empty: all
+};
+
+/// The point of the line at a place of the window.
+std::optional<std::size_t> linePointAt(const BendStage &stage);
+
+/// Moves a point of the line, which may be new.
+class LineInteraction : public BendInteraction {
+  public:
+    using BendInteraction::BendInteraction;
+    /// Takes the point of the line under the mouse, or adds one there. \return whether there is a place for it
+    bool begin();
+    void cancel() override { stage.ended(); }
+    void move(QMouseEvent &event) override;
+    void release() override { stage.ended(); }
+
+  private:
+    std::size_t which = 0;
+};
 
 /// Shows frames of the animation until something else is done. Times are seconds, of the key frames.
 class AnimationInteraction : public BendInteraction {
