@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bend_text.h"
+#include "bend_state.h"
 
 #include <vcg_ext/base/words.h>
 
@@ -16,7 +16,7 @@ const char *const firstLine = "FCD bend 1";
 // Users give handles one rank after another: this leaves room.
 const int mostRank = 1000000;
 
-/// Reads a text of bend_text.h, and checks all of it.
+/// Reads a text of bend_state.h, and checks all of it.
 class BendTextReader : public vcg::fcd::detail::TextReader {
   public:
     BendTextReader(const std::string &text, const std::string &name, const std::vector<std::size_t> &live,

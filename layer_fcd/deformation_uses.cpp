@@ -1,19 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/field/deformation_file.h> // before Qt
 
-#include "carrying_surface.h"
 #include "deformation_uses.h"
 #include "kept_graph.h"
 #include "layer_contents.h"
 #include "layer_labels.h"
 #include "layer_matrix.h"
 #include "new_layers.h"
+#include "parameters.h"
 #include "save_files.h"
 
+#include <algorithm>
 #include <memory>
+#include <mutex>
+#include <sstream>
 #include <utility>
 
+#include <xxhash.h>
+
 using vcg::fcd::DeformationField;
+using vcg::fcd::Index;
+using vcg::fcd::NearestPlace;
 using vcg::fcd::Progress;
 
 DeformedCopies copyDeformation(MeshDocument &document, const CopyParam &param, const std::vector<MeshModel *> &targets,
@@ -85,14 +92,12 @@ static void toWorld(const Eigen::Affine3d &matrix, Eigen::Matrix3Xd &rest, Eigen
     if (matrix.matrix().isIdentity(0))
         return;
     const Eigen::Matrix3d to = matrix.linear(), back = to.inverse();
-    vcg::fcd::ParallelFor(0, linear.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
-        for (std::size_t slot = first; slot < last; ++slot) {
-            const auto i = Eigen::Index(slot);
-            rest.col(i) = matrix * Eigen::Vector3d(rest.col(i));
-            deformed.col(i) = matrix * Eigen::Vector3d(deformed.col(i));
-            if (linear[slot] != Eigen::Matrix3f::Identity())
-                linear[slot] = (to * linear[slot].cast<double>() * back).cast<float>();
-        }
+    forEach(linear.size(), [&](std::size_t slot) {
+        const auto i = Eigen::Index(slot);
+        rest.col(i) = matrix * Eigen::Vector3d(rest.col(i));
+        deformed.col(i) = matrix * Eigen::Vector3d(deformed.col(i));
+        if (linear[slot] != Eigen::Matrix3f::Identity())
+            linear[slot] = (to * linear[slot].cast<double>() * back).cast<float>();
     });
 }
 
@@ -125,4 +130,149 @@ SavedDeformation saveDeformation(const SaveDeformationParam &param, const Remark
     saveFiles({{param.file, text}});
     saved.seconds = watch.Seconds();
     return saved;
+}
+
+static bool isPlace(const MeshModel &layer, const Eigen::Matrix3Xd &position, std::size_t i) {
+    return !layer.cm.vert[i].IsD() && position.col(Eigen::Index(i)).allFinite();
+}
+
+/// Finds the vertex of the surface at a position.
+class CarryingSurface::VerticesAtPlaces {
+  public:
+    VerticesAtPlaces(const MeshModel &source, const Eigen::Matrix3Xd &position) : mesh(source.cm), position(position) {}
+
+    /// The slot of the vertex at \p p: \p slot if that is there, as in a copy of the source; else, of several, the one
+    /// whose normal is nearest to \p normal; < 0: none.
+    std::ptrdiff_t operator()(std::size_t slot, const Eigen::Vector3d &p, const Eigen::Vector3d &normal) const {
+        if (isAt(slot, p))
+            return std::ptrdiff_t(slot);
+        std::call_once(sorted, [this] { sort(); });
+        const std::uint64_t place = placeOf(p);
+        std::ptrdiff_t found = -1;
+        double best = 0;
+        for (auto at = std::lower_bound(places.begin(), places.end(), std::make_pair(place, std::uint32_t(0)));
+             at != places.end() && at->first == place; ++at) {
+            const double alike = toVector(mesh.vert[at->second].cN()).dot(normal);
+            if (isAt(at->second, p) && (found < 0 || alike > best)) {
+                found = std::ptrdiff_t(at->second);
+                best = alike;
+            }
+        }
+        return found;
+    }
+
+  private:
+    bool isAt(std::size_t slot, const Eigen::Vector3d &p) const {
+        return slot < mesh.vert.size() && !mesh.vert[slot].IsD() && position.col(Eigen::Index(slot)) == p;
+    }
+    static std::uint64_t placeOf(const Eigen::Vector3d &p) {
+        const Eigen::Vector3d positive = p + Eigen::Vector3d::Zero(); // no negative zero
+        return XXH3_64bits(positive.data(), 3 * sizeof(double));
+    }
+    void sort() const {
+        places.resize(mesh.vert.size());
+        forEach(places.size(), [&](std::size_t i) {
+            places[i] = {placeOf(position.col(Eigen::Index(i))), std::uint32_t(i)};
+        });
+        std::sort(places.begin(), places.end());
+    }
+
+    const CMeshO &mesh;
+    const Eigen::Matrix3Xd &position;
+    mutable std::once_flag sorted;
+    mutable std::vector<std::pair<std::uint64_t, std::uint32_t>> places; ///< and slots
+};
+
+CarryingSurface::CarryingSurface(const MeshModel &layer, Eigen::Matrix3Xd given)
+    : position(std::move(given)), matrix(invertibleMatrixOf(layer)) {
+    const CMeshO &mesh = layer.cm;
+    std::vector<std::array<Index, 3>> triangle;
+    triangle.reserve(std::size_t(mesh.fn));
+    for (const CFaceO &face : mesh.face)
+        if (!face.IsD())
+            triangle.push_back({Index(vcg::tri::Index(mesh, face.cV(0))), Index(vcg::tri::Index(mesh, face.cV(1))),
+                                Index(vcg::tri::Index(mesh, face.cV(2)))});
+    std::vector<char> isVertex(mesh.vert.size());
+    for (std::size_t i = 0; i < isVertex.size(); ++i)
+        isVertex[i] = !mesh.vert[i].IsD();
+    places = std::make_unique<NearestPlace>(position, std::move(triangle), isVertex);
+    ownVertices = std::make_unique<VerticesAtPlaces>(layer, position);
+}
+
+CarryingSurface::~CarryingSurface() = default;
+
+int CarryingSurface::sidesTold(const MeshModel &target, const Eigen::Matrix3Xd &at) const {
+    const Eigen::Affine3d to = matrix.inverse() * invertibleMatrixOf(target);
+    return places->SidesTold(
+        target.cm.vert.size(),
+        [&](std::size_t i) { return Eigen::Vector3d(to * Eigen::Vector3d(at.col(Eigen::Index(i)))); },
+        [&](std::size_t i) {
+            return isPlace(target, at, i) ? Eigen::Vector3d(to.linear() * toVector(target.cm.vert[i].cN()))
+                                          : Eigen::Vector3d(Eigen::Vector3d::Zero());
+        });
+}
+
+vcg::fcd::SurfacePlace CarryingSurface::operator()(const CarriedVertices &vertices, std::size_t n, int sides,
+                                                   NearestPlace::Hint &hint) const {
+    const Eigen::Vector3d &p = vertices.position[n], &normal = vertices.normal[n];
+    // First look for a vertex at the same position: where parts touch, the nearest place may be another part's.
+    if (const std::ptrdiff_t same = (*ownVertices)(vertices.slot[n], p, normal); same >= 0)
+        return vcg::fcd::SurfacePlace::AtVertex(Index(same));
+    return sides == 0 ? (*places)(p, hint) : (*places)(p, hint, sides * normal);
+}
+
+Eigen::AlignedBox3d boxOf(const Eigen::Matrix3Xd &position, const Eigen::Affine3d &matrix, const CMeshO *mesh) {
+    Eigen::AlignedBox3d box;
+    for (Eigen::Index i = 0; i < position.cols(); ++i)
+        if ((!mesh || !mesh->vert[std::size_t(i)].IsD()) && position.col(i).allFinite())
+            box.extend(matrix * Eigen::Vector3d(position.col(i)));
+    return box;
+}
+
+std::string describeSpace(const MeshModel &target, const Eigen::AlignedBox3d &here, const Eigen::AlignedBox3d &source,
+                          bool isWhole) {
+    if (here.isEmpty() || source.isEmpty())
+        return {};
+    const double size = here.diagonal().norm(), sourceSize = source.diagonal().norm(),
+                 gap = here.exteriorDistance(source);
+    const bool isFar = gap > sourceSize, isLandmarks = target.cm.vn < 100; // a few points may lie close together
+    if (!isFar && size <= 10 * sourceSize && (10 * size >= sourceSize || isLandmarks || !isWhole))
+        return {};
+    std::ostringstream text;
+    text << "The layer " << inQuotes(target) << " is " << size << " across and the source " << sourceSize;
+    if (isFar)
+        text << ", and they are " << gap << " apart";
+    text << ": far from the source, what it does means nothing. Bring the layer to the same place and units first.";
+    return text.str();
+}
+
+void carry(const MeshModel &target, const Eigen::Affine3d &matrix, const Displacements &displacements,
+           const Progress &progress, Eigen::Matrix3Xd &position, std::vector<Eigen::Matrix3f> &linear) {
+    const CMeshO &mesh = target.cm;
+    const Eigen::Affine3d here = invertibleMatrixOf(target);
+    const bool isSame = here.matrix() == matrix.matrix();
+    const Eigen::Affine3d to = isSame ? Eigen::Affine3d::Identity() : matrix.inverse() * here;
+    const Eigen::Matrix3d back = isSame ? Eigen::Matrix3d::Identity() : Eigen::Matrix3d(to.linear().inverse());
+    linear.assign(mesh.vert.size(), Eigen::Matrix3f::Identity());
+    ParallelFor(progress, "Mapping to the layer", mesh.vert.size(), 1 << 12, [&](std::size_t first, std::size_t last) {
+        CarriedVertices vertices;
+        for (std::size_t i = first; i < last; ++i) {
+            if (!isPlace(target, position, i))
+                continue;
+            const Eigen::Vector3d p = position.col(Eigen::Index(i)), normal = toVector(mesh.vert[i].cN());
+            vertices.slot.push_back(i);
+            vertices.position.push_back(isSame ? p : to * p);
+            vertices.normal.push_back(isSame ? normal : to.linear() * normal);
+        }
+        std::vector<Eigen::Vector3d> displacement;
+        std::vector<Eigen::Matrix3f> map;
+        displacements(vertices, displacement, map);
+        for (std::size_t n = 0; n < vertices.slot.size(); ++n) {
+            if (displacement[n].isZero(0)) // fixed vertices keep their bits
+                continue;
+            const std::size_t i = vertices.slot[n];
+            position.col(Eigen::Index(i)) += back * displacement[n];
+            linear[i] = isSame ? map[n] : Eigen::Matrix3f((back * map[n].cast<double>() * to.linear()).cast<float>());
+        }
+    });
 }

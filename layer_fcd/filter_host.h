@@ -5,7 +5,6 @@
 /// \file
 /// Base class of plugins with filters, for any host; see meshlab_host.h.
 
-#include "interrupt.h"
 #include "meshlab_host.h"
 
 #ifdef FCD_MESHLAB_2020
@@ -18,7 +17,6 @@
 #include <algorithm>
 #include <exception>
 #include <functional>
-#include <initializer_list>
 #include <iterator>
 #include <map>
 #include <new>
@@ -33,6 +31,23 @@
 #else
 #define FCD_PLUGIN_METADATA Q_PLUGIN_METADATA(IID FILTER_PLUGIN_IID)
 #endif
+
+/// Lets Ctrl-C (SIGINT) cancel a filter of a script while this object exists: Python only notes the signal, and looks
+/// again when the filter is done. The former handler still gets the signal; without one, the signal ends the program,
+/// as ever. There may be one object at a time.
+class Interruptible {
+  public:
+    explicit Interruptible(vcg::CallBackPos *callback);
+    ~Interruptible();
+    Interruptible(const Interruptible &) = delete;
+    Interruptible &operator=(const Interruptible &) = delete;
+
+    /// The host's callback, if any, that also returns false once a signal has come.
+    vcg::CallBackPos *callback() const;
+
+  private:
+    bool isSet = false; ///< a handler that notes the signal
+};
 
 /// Base class of a filter plugin for any host: a plugin implements the pure functions below. Any exception that the
 /// host does not expect would end the program, so all are caught; errors reach the user as one message.

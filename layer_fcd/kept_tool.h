@@ -13,7 +13,7 @@
 /// marks that a user has painted. The layer's state keeps these, so its colours and quality do not change. While a
 /// layer has marks, these are its tags, not its quality.
 
-/// Keeps the settings of FCD: Bend as it leaves \p layer. \param text its settings (bend_text.h); empty: none
+/// Keeps the settings of FCD: Bend as it leaves \p layer. \param text its settings (bend_state.h); empty: none
 /// \param isPosed whether the layer has the pose of \p text; else it has the shape that the pose begins from
 void keepTool(const MeshDocument &document, MeshModel &layer, std::string text, bool isPosed);
 

@@ -14,9 +14,8 @@ using vcg::fcd::SurfaceView;
 /// The positions of \p view, world units.
 static Eigen::Matrix3Xd inWorld(const SurfaceView &view, const Eigen::Affine3d &world) {
     Eigen::Matrix3Xd position = view.Copy();
-    ParallelFor(0, view.vertexSlots, 1 << 14, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i)
-            position.col(Eigen::Index(i)) = world * Eigen::Vector3d(position.col(Eigen::Index(i)));
+    forEach(view.vertexSlots, [&](std::size_t i) {
+        position.col(Eigen::Index(i)) = world * Eigen::Vector3d(position.col(Eigen::Index(i)));
     });
     return position;
 }

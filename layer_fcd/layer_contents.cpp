@@ -114,10 +114,8 @@ std::vector<std::size_t> liveSlots(const CMeshO &mesh) {
 Eigen::Matrix3Xd positionsOf(const MeshModel &layer) {
     const CMeshO &mesh = layer.cm;
     Eigen::Matrix3Xd position(3, Eigen::Index(mesh.vert.size()));
-    vcg::fcd::ParallelFor(0, mesh.vert.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i)
-            position.col(Eigen::Index(i)) = vcg::tri::PositionOf(mesh.vert[i]);
-    });
+    forEach(mesh.vert.size(),
+            [&](std::size_t i) { position.col(Eigen::Index(i)) = vcg::tri::PositionOf(mesh.vert[i]); });
     return position;
 }
 

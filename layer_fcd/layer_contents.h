@@ -22,13 +22,21 @@
 /// \file
 /// The contents of a layer. "A number for ..." is a hash.
 
-/// Calls body(i) for each live vertex, by all threads.
+/// Calls body(i) for each i below n, by all threads.
+template <class Body>
+void forEach(std::size_t n, const Body &body) {
+    vcg::fcd::ParallelFor(0, n, 1 << 14, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+            body(i);
+    });
+}
+
+/// The same for each live vertex.
 template <class Body>
 void forVertices(const CMeshO &mesh, const Body &body) {
-    vcg::fcd::ParallelFor(0, mesh.vert.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i)
-            if (!mesh.vert[i].IsD())
-                body(i);
+    forEach(mesh.vert.size(), [&](std::size_t i) {
+        if (!mesh.vert[i].IsD())
+            body(i);
     });
 }
 

@@ -6,8 +6,7 @@
 #include "layer_contents.h"
 #include "layer_deformer.h"
 #include "layer_normals.h"
-#include "motion_sources.h"
-#include "tag_sources.h"
+#include "handle_sources.h"
 
 #include <algorithm>
 #include <new>

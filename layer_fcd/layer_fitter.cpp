@@ -7,10 +7,9 @@
 #include "layer_matrix.h"
 #include "kept_tool.h"
 #include "measured_quality.h"
-#include "motion_sources.h"
+#include "handle_sources.h"
 #include "new_layers.h"
 #include "point_sources.h"
-#include "tag_sources.h"
 #include "weight_sources.h"
 
 using vcg::fcd::Deformer;

@@ -2,7 +2,7 @@
 #include "kept_aside.h"
 #include "layer_contents.h"
 #include "layer_labels.h"
-#include "layer_look.h"
+#include "layer_sequence.h"
 
 #include <algorithm>
 

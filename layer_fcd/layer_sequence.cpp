@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/handles/handle_file.h> // before Qt
 
-#include "carrying_surface.h"
+#include "deformation_uses.h"
 #include "layer_contents.h"
 #include "layer_deformer.h"
 #include "layer_labels.h"
-#include "layer_look.h"
-#include "layer_matrix.h"
 #include "layer_sequence.h"
-#include "motion_sources.h"
+#include "layer_matrix.h"
+#include "handle_sources.h"
 #include "new_layers.h"
 #include "rest_shape.h"
 #include "save_files.h"
-#include "tag_sources.h"
 
 #include <memory>
 #include <utility>

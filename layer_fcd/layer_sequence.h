@@ -2,7 +2,8 @@
 #ifndef FCD_LAYER_SEQUENCE_H
 #define FCD_LAYER_SEQUENCE_H
 
-#include <vcg_ext/sequence/sequence_frames.h> // before Qt
+#include <vcg_ext/sequence/sequence_frames.h> // these before Qt
+#include <vcg_ext/sequence/surface_look.h>
 
 #include "parameters.h"
 #include "prepared_layers.h"
@@ -51,5 +52,10 @@ std::vector<std::map<int, vcg::fcd::Motion>> motionsOf(const vcg::fcd::PoseSeque
                                                        const MeshDocument &document, const MeshModel &layer,
                                                        const std::map<vcg::fcd::Index, Eigen::Vector3d> &center,
                                                        const Eigen::Affine3d &world);
+
+/// The look of \p layer, for a file: its own colours, not those of tags; texture coordinates of corners or, if there
+/// are none, of vertices; and its textures: the bytes of a PNG or JPEG file, or a PNG of the image that the layer
+/// holds, if that differs. A texture that cannot be read is reported to \p remark, and has no content.
+vcg::fcd::SurfaceLook lookOf(const MeshDocument &document, const MeshModel &layer, const Remark &remark);
 
 #endif

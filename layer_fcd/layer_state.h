@@ -77,7 +77,7 @@ struct KeptScan {
 
 /// The settings of FCD: Bend when it left a layer (kept_tool.h).
 struct ToolState {
-    std::string text;        ///< as of bend_text.h
+    std::string text;        ///< as of bend_state.h
     bool isPosed;            ///< the tool left the layer in a pose of its rest shape
     std::uint64_t shape = 0; ///< shapeOf the layer then
     Matrix44m matrix;        ///< of the layer then

@@ -2,7 +2,7 @@
 #include "inherited.h"
 #include "layer_contents.h"
 #include "layer_labels.h"
-#include "pose_in_place.h"
+#include "layer_deformer.h"
 
 #include <functional>
 #include <mutex>

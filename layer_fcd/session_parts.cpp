@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "session_format.h" // which includes others before Qt
-#include "bend_text.h"
+#include "bend_state.h"
 #include "kept_tool.h"
 #include "layer_contents.h"
 #include "layer_matrix.h"

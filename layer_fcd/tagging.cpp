@@ -5,9 +5,8 @@
 #include "layer_contents.h"
 #include "layer_matrix.h"
 #include "kept_tool.h"
-#include "motion_sources.h"
+#include "handle_sources.h"
 #include "save_files.h"
-#include "tag_sources.h"
 #include "tagging.h"
 
 #include <vcg/complex/allocate.h>

@@ -37,13 +37,13 @@ PLUGIN_FLOORS = {
         " layer_normals picked_points save_files weight_sources",
         "layer_state prepared_layers kept_graph inherited kept_tool measured_quality session_format layer_contents rest_shape kept_aside"
         " session_parts session_file",  # the state of a layer, which the document keeps
-        "motion_sources point_sources tag_sources",
+        "handle_sources point_sources",
         "new_layers pose_in_place tagging deformation_uses graph_layer layer_fitter layer_straightener layer_symmetrizer layer_compensator"
-        " layer_deformer layer_sequence carrying_surface layer_look",
+        " layer_deformer layer_sequence layer_look",
     ],
     "filter_fcd": [
         "fields filter_reports filter_parameters",
-        "bending_parameters fit_parameters handle_parameters fit_reports dialogs",
+        "bending_parameters fit_parameters fit_reports dialogs",
         "filter_fcd bending_filters filter_texts",
     ],
 }

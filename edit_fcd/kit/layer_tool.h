@@ -6,7 +6,7 @@
 
 #include "edit_fcd/view/display_state.h"
 #include "edit_fcd/kit/tool_window.h"
-#include "edit_fcd/view/layer_overlay.h"
+#include "edit_fcd/view/layer_drawing.h"
 
 #include <functional>
 #include <map>

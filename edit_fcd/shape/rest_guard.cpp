@@ -8,8 +8,6 @@
 
 #include <vcg/complex/algorithms/update/bounding.h>
 
-using vcg::fcd::ParallelFor;
-
 RestGuard::RestGuard(MeshModel &layer) : layer(layer), matrix(invertibleMatrixOf(layer)) {}
 
 void RestGuard::keep() {
@@ -56,21 +54,16 @@ void RestGuard::keepPosed(const std::function<void()> &keepRest) {
 void RestGuard::restoreVertices() {
     if (!posed || layer.cm.vert.size() != position.size())
         return;
-    ParallelFor(0, position.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) {
-            layer.cm.vert[i].P() = position[i];
-            layer.cm.vert[i].N() = normal[i];
-        }
+    forEach(position.size(), [&](std::size_t i) {
+        layer.cm.vert[i].P() = position[i];
+        layer.cm.vert[i].N() = normal[i];
     });
     posed = false;
 }
 
 RestGuard::Shown RestGuard::shown() const {
     Shown all(posed ? layer.cm.vert.size() : 0);
-    ParallelFor(0, all.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i)
-            all[i] = {layer.cm.vert[i].cP(), layer.cm.vert[i].cN()};
-    });
+    forEach(all.size(), [&](std::size_t i) { all[i] = {layer.cm.vert[i].cP(), layer.cm.vert[i].cN()}; });
     return all;
 }
 
@@ -90,7 +83,9 @@ void RestGuard::know() {
 }
 
 bool RestGuard::isAsKnown() const {
-    if (shape != shapeOf(layer.cm))
+    Eigen::Matrix4d present;
+    layer.cm.Tr.ToEigenMatrix(present);
+    if (!fits() || present != matrix.matrix() || shape != shapeOf(layer.cm))
         return false;
     // The host may recompute normals at any time, with other weights: some tenths of a degree off.
     return shownNormals == normalsOf(layer.cm) || (layer.cm.fn > 0 && !hasOtherNormals(layer, 1, 0.01));

@@ -31,7 +31,7 @@ class RestGuard {
     /// Call before a pose is written to the vertices, and know() afterwards.
     void leave() { posed = true; }
     void know();
-    /// Whether the layer has the shape, and the normals, that it had when that was known last.
+    /// Whether the layer has the matrix, the shape and the normals that it had when these were known last.
     bool isAsKnown() const;
     std::uint64_t known() const { return shape; } ///< the shape that the layer was given last, as shapeOf tells it
 

@@ -3,6 +3,7 @@
 
 #include "edit_fcd/view/colors.h"
 
+#include <layer_fcd/layer_contents.h>
 #include <layer_fcd/parameters.h>
 
 #include <algorithm>
@@ -51,13 +52,9 @@ std::vector<vcg::Color4b> colorsOfStretch(const CMeshO &mesh, const std::vector<
             }
     };
     vcg::fcd::ParallelForAdding(0, mesh.face.size(), grain, compute, add);
-    vcg::fcd::ParallelFor(0, mesh.vert.size(), 1 << 13, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) {
-            if (mesh.vert[i].IsD())
-                continue;
-            color[i] = colorOfStretch(weight[i] > 0 ? double(sum[i] / weight[i]) : 0);
-            color[i][3] = opacity;
-        }
+    forVertices(mesh, [&](std::size_t i) {
+        color[i] = colorOfStretch(weight[i] > 0 ? double(sum[i] / weight[i]) : 0);
+        color[i][3] = opacity;
     });
     return color;
 }

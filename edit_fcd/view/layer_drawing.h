@@ -2,9 +2,10 @@
 #ifndef FCD_LAYER_DRAWING_H
 #define FCD_LAYER_DRAWING_H
 
-#include <layer_fcd/meshlab_host.h>
+#include <layer_fcd/layer_contents.h>
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <QOpenGLBuffer>
@@ -42,10 +43,9 @@ template <class At>
 void fillVectors(QOpenGLBuffer &buffer, const std::vector<std::uint32_t> &slot, const At &at,
                  std::vector<float> &values) {
     values.resize(3 * slot.size());
-    vcg::fcd::ParallelFor(0, slot.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
-        for (std::size_t j = first; j < last; ++j)
-            for (int d = 0; d < 3; ++d)
-                values[3 * j + std::size_t(d)] = float(at(slot[j])[d]);
+    forEach(slot.size(), [&](std::size_t j) {
+        for (int d = 0; d < 3; ++d)
+            values[3 * j + std::size_t(d)] = float(at(slot[j])[d]);
     });
     fill(buffer, values);
 }
@@ -69,14 +69,80 @@ class FlatDrawing {
     ~FlatDrawing();
 };
 
-// The buffers from which a LayerDrawing draws, instead of those before.
-void usePositions(QOpenGLBuffer &positions);
-void useNormals(QOpenGLBuffer &normals);
-void useColors(QOpenGLBuffer &colors); ///< four bytes each
+/// From now on, a LayerDrawing draws from a buffer. \param array what it has: GL_VERTEX_ARRAY, GL_NORMAL_ARRAY, or
+/// GL_COLOR_ARRAY, four bytes each
+void use(QOpenGLBuffer &buffer, GLenum array);
 /// From now on, a LayerDrawing draws transparently, unlit, both sides, and without depth, so that the mouse points
 /// through. \param offset in depth of its faces; below 0: in front of the layer
 void beSeenThrough(float offset);
 /// \param elements corners of the triangles \param corners number of them
 void drawTriangles(QOpenGLBuffer &elements, std::size_t corners);
+void put(const Eigen::Vector3d &p); ///< a vertex between glBegin() and glEnd()
+/// \param size pixels
+void drawPoint(const Eigen::Vector3d &p, float size);
+
+/// Draws colours over a layer, which does not change. Buffers are written when colours, elements or the layer's
+/// positions change.
+class LayerOverlay {
+  public:
+    LayerOverlay();
+
+    /// Shows colours over the faces of a layer, or over its vertices if it has no faces. \param color one per vertex
+    /// slot; alpha 0: nothing is shown there \param isIn flags of face slots; null: all faces
+    void show(const CMeshO &mesh, const std::vector<vcg::Color4b> &color, const std::vector<char> *isIn = nullptr);
+    /// The same over given triangles. \param slot vertices \param color one for each \param element three corners per
+    /// triangle, indices into \p slot
+    void show(const CMeshO &mesh, std::vector<std::uint32_t> slot, std::vector<vcg::Color4b> color,
+              std::vector<std::uint32_t> element);
+    void hide();
+    /// Call when the layer's positions have changed.
+    void move() { isMoved = true; }
+    /// Draws it. \pre the context of the view is current, and has the transformation of the world
+    void draw(const CMeshO &mesh);
+
+  private:
+    void write(const CMeshO &mesh);
+
+    std::vector<std::uint32_t> slot;    ///< of the vertices that are drawn
+    std::vector<vcg::Color4b> color;    ///< of each
+    std::vector<std::uint32_t> element; ///< three corners per triangle, indices into \p slot; empty: points are drawn
+    std::vector<float> position;
+    QOpenGLBuffer positions, colors, elements;
+    std::size_t vertexSlots = 0; ///< of the layer's vertices
+    bool isMoved = false, isChanged = false;
+};
+
+/// The elements of a layer's ghosts: its surface. For a cloud or a large surface: points, some of the vertices that
+/// move.
+struct GhostParts {
+    std::vector<std::uint32_t> slot;    ///< vertices
+    std::vector<std::uint32_t> element; ///< three corners per triangle, indices into \p slot; empty: points are drawn
+
+    /// Whether a surface has too many faces to be drawn several times, so that ghosts are points.
+    static bool isPoints(std::size_t faces);
+    /// \param tags one per vertex slot; vertices with a tag <= 0 stay
+    static GhostParts of(const vcg::fcd::SurfaceView &surface, const std::vector<int> &tags);
+};
+
+/// Another shape of a layer, pale and transparent, drawn behind the layer where both coincide. Its buffers are written
+/// when it changes.
+class LayerGhost {
+  public:
+    explicit LayerGhost(const vcg::Color4b &color) : color(color), elements(QOpenGLBuffer::IndexBuffer) {}
+
+    /// \param position three numbers for each vertex of \p parts, layer units
+    void show(std::shared_ptr<const GhostParts> parts, std::shared_ptr<const std::vector<float>> position);
+    void hide();
+    bool isShown() const { return position != nullptr; }
+    /// Draws it. \pre the context of the view is current, and has the transformation of the world
+    void draw(const CMeshO &mesh);
+
+  private:
+    vcg::Color4b color;
+    std::shared_ptr<const GhostParts> parts;
+    std::shared_ptr<const std::vector<float>> position; ///< null: hidden
+    QOpenGLBuffer positions, elements;
+    bool isMoved = false, isOther = false; ///< positions, elements are to be written
+};
 
 #endif

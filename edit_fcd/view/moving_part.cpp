@@ -45,11 +45,10 @@ void MovingPart::take(const std::vector<int> &newTags) {
     tags = newTags;
     const CMeshO &mesh = layer.cm;
     isMoving.assign(mesh.face.size(), 0);
-    vcg::fcd::ParallelFor(0, mesh.face.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
-        for (std::size_t f = first; f < last; ++f)
-            for (int k = 0; k < 3 && !mesh.face[f].IsD(); ++k)
-                if (tags[std::size_t(mesh.face[f].cV(k) - mesh.vert.data())] > 0)
-                    isMoving[f] = 1;
+    forEach(mesh.face.size(), [&](std::size_t f) {
+        for (int k = 0; k < 3 && !mesh.face[f].IsD(); ++k)
+            if (tags[std::size_t(mesh.face[f].cV(k) - mesh.vert.data())] > 0)
+                isMoving[f] = 1;
     });
     part = std::make_unique<LayerPart>(mesh, isMoving, look);
     if (!over.empty())
@@ -201,9 +200,9 @@ void LayerPart::draw(const GLArea &view) {
     glColor4ubv(look.color.V());
     if (look.hasVertexColors)
         glColorMaterial(GL_FRONT_AND_BACK, GL_AMBIENT_AND_DIFFUSE);
-    usePositions(positions);
-    useNormals(normals);
+    use(positions, GL_VERTEX_ARRAY);
+    use(normals, GL_NORMAL_ARRAY);
     if (look.hasVertexColors)
-        useColors(colors);
+        use(colors, GL_COLOR_ARRAY);
     drawTriangles(elements, element.size());
 }

@@ -3,7 +3,7 @@
 #define FCD_MOVING_PART_H
 
 #include "edit_fcd/view/camera.h"
-#include "edit_fcd/view/layer_overlay.h"
+#include "edit_fcd/view/layer_drawing.h"
 
 #include <layer_fcd/edit_host.h>
 

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <edit_fcd/bend/model/ghosts.h>
 #include <edit_fcd/bend/model/handles.h>
 #include <edit_fcd/bend/model/model.h>
 #include <edit_fcd/bend/model/named_poses.h>
-#include <edit_fcd/bend/model/steps.h>
 #include <edit_fcd/bend/panel/frame_scale.h>
 #include <edit_fcd/bend/tool/drag.h>
 #include <edit_fcd/kit/history.h>
-#include <layer_fcd/bend_text.h>
+#include <layer_fcd/bend_state.h>
 #include "test_support.h"
 
 #include <algorithm>

@@ -4,10 +4,8 @@
 #include "edit_fcd/bend/model/reach.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 
 // Extents of handles: the surface around, and the tips of the limb.
 

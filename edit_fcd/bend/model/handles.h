@@ -2,11 +2,15 @@
 #ifndef FCD_BEND_HANDLES_H
 #define FCD_BEND_HANDLES_H
 
+#include <vcg_ext/handles/motion_text.h> // before Qt
+
 #include "edit_fcd/bend/model/reach.h"
 
 #include <layer_fcd/bend_state.h>
 
 #include <set>
+#include <string>
+#include <vector>
 
 // --- what a state has of one handle, by its tag ---
 
@@ -51,5 +55,28 @@ std::set<int> takeMarks(BendState &state, const BendTags &marks, const std::vect
                         const std::map<vcg::fcd::Index, Eigen::Vector3d> &known);
 /// Frees what a handle holds.
 void freeHandle(BendState &state, int tag);
+
+// --- steps of motions ---
+
+/// The steps of a motion, up to rounding. \param center of the handle at rest, world
+std::vector<vcg::fcd::MotionStep> stepsOf(const vcg::fcd::Motion &motion, const Eigen::Vector3d &center);
+
+/// Sets the places of turns and scalings explicitly; by default, they are the middle of the handle. \param center of
+/// the handle at rest, world \return whether any step has changed
+bool setPlaces(std::vector<vcg::fcd::MotionStep> &steps, const Eigen::Vector3d &center);
+
+/// The step on the other side of a mirror; exact if the layer's matrix keeps angles.
+vcg::fcd::MotionStep mirroredStep(const vcg::fcd::MotionStep &step, const Eigen::Affine3d &mirror);
+
+/// Steps of the rigid motion that takes points nearest to others, in few digits; none if they hardly move.
+/// \param middle pivot of the turn \param least smallest move that counts
+std::vector<vcg::fcd::MotionStep> rigidSteps(const Eigen::Matrix3Xd &from, const Eigen::Matrix3Xd &to,
+                                             const Eigen::Vector3d &middle, double least);
+
+/// A number with so many digits.
+std::string inDigits(double x, int digits);
+/// Rounds a number to few digits, as people write it.
+double inFewDigits(double x);
+Eigen::Vector3d inFewDigits(const Eigen::Vector3d &v);
 
 #endif

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "edit_fcd/bend/model/influence.h"
+#include "edit_fcd/bend/model/model.h"
 
 #include "edit_fcd/bend/model/handles.h"
 
@@ -273,13 +273,4 @@ int BendInfluence::unusedTag() const {
     while (isHandle(tag))
         ++tag;
     return tag;
-}
-
-bool isAlong(const BendState &state, const BendInfluence &influence, std::size_t slot) {
-    const int tag = (*influence.tags)[slot];
-    const auto point = state.points.find(tag);
-    if (point == state.points.end() || !point->second.isGrip)
-        return false;
-    const std::vector<std::size_t> &beyond = influence.extents.at(tag)->beyond;
-    return std::binary_search(beyond.begin(), beyond.end(), slot);
 }

@@ -2,7 +2,6 @@
 #include "edit_fcd/bend/model/model.h"
 
 #include "edit_fcd/bend/model/handles.h"
-#include "edit_fcd/bend/model/steps.h"
 
 #include <algorithm>
 
@@ -152,7 +151,13 @@ int jointBefore(const BendModel &model, int tag, const Eigen::Vector3d &held) {
     return second > shortestBone * first && first > shortestBone * second ? found : 0;
 }
 
-bool isAlong(const BendModel &model, std::size_t slot) { return isAlong(model.state, model.influence, slot); }
+bool isAlong(const BendModel &model, std::size_t slot) {
+    const int tag = (*model.influence.tags)[slot];
+    if (!isGrip(model.state, tag))
+        return false;
+    const std::vector<std::size_t> &beyond = model.influence.extents.at(tag)->beyond;
+    return std::binary_search(beyond.begin(), beyond.end(), slot);
+}
 
 bool canBecomePoint(const BendModel &model, std::size_t slot) {
     return isFree(model.state, slot) && ((*model.influence.tags)[slot] < 2 || isAlong(model, slot));

@@ -4,12 +4,12 @@
 #include "edit_fcd/bend/model/handles.h"
 #include "edit_fcd/bend/model/session.h"
 
-#include <layer_fcd/bend_text.h>
+#include <layer_fcd/bend_state.h>
 #include <layer_fcd/kept_tool.h>
 #include <layer_fcd/layer_contents.h>
 #include <layer_fcd/layer_sequence.h>
 #include <layer_fcd/rest_shape.h>
-#include <layer_fcd/tag_sources.h>
+#include <layer_fcd/handle_sources.h>
 
 #include <algorithm>
 #include <limits>
@@ -27,7 +27,7 @@ BendSession::BendSession(MeshDocument &document, MeshModel &layer)
         throw Error("The layer '" + layer.label().toStdString() + "' has no vertices, so there is nothing to bend.");
     data.state.marks = marksNow(layer);
     isMarkedHere = hasMarks(layer);
-    kept = toolNow();
+    kept = LayerState::known(layer).tool;
     keepRest();
     updateTags();
 }
@@ -47,10 +47,7 @@ void BendSession::keepRest() {
 }
 
 bool BendSession::isUpToDate() const {
-    Eigen::Matrix4d present;
-    layer.cm.Tr.ToEigenMatrix(present);
-    return fits() && present == rest.world().matrix() && hasMarks(layer) == isMarkedHere && toolNow() == kept &&
-           rest.isAsKnown();
+    return hasMarks(layer) == isMarkedHere && LayerState::known(layer).tool == kept && rest.isAsKnown();
 }
 
 bool BendSession::isAsLeft() const {
@@ -198,8 +195,6 @@ std::shared_ptr<const BendTags> BendSession::marksNow(const MeshModel &layer) {
     return std::all_of(present->begin(), present->end(), [](int tag) { return tag == 1; }) ? nullptr : present;
 }
 
-std::shared_ptr<const ToolState> BendSession::toolNow() const { return LayerState::known(layer).tool; }
-
 /// Makes the layer keep the state, if it is more than a filter's tags.
 void BendSession::keepState() {
     BendState own = state();
@@ -208,7 +203,7 @@ void BendSession::keepState() {
     own.applies = own.loads = 0;
     keepTool(document, layer, own == BendState() ? "" : bendText(state(), data.options, liveSlots(layer.cm)),
              isMoved(data));
-    kept = toolNow();
+    kept = LayerState::known(layer).tool;
 }
 
 bool BendSession::goOn() {

@@ -2,7 +2,7 @@
 #ifndef FCD_BEND_SESSION_H
 #define FCD_BEND_SESSION_H
 
-#include "edit_fcd/bend/model/ghosts.h" // these before Qt
+#include "edit_fcd/bend/model/named_poses.h" // these before Qt
 #include "edit_fcd/bend/model/model.h"
 #include "edit_fcd/kit/history.h"
 #include "edit_fcd/shape/pose_solver.h"
@@ -261,9 +261,7 @@ class BendSession {
 
     void writePose(const vcg::fcd::Deformer::Pose &pose);
     HandleParam handleParam() const;
-    std::shared_ptr<const ToolState> toolNow() const;
     void keepState();
-    void handOver();
     void writeAppliedTags();
     LayerDeformer applying(const Remark &remark);
     std::string poseByFilter(const Remark &remark);

@@ -20,12 +20,7 @@ HandleParam BendSession::handleParam() const {
     return param;
 }
 
-/// Resets the layer, and gives it the tags for filters: marks, and what points hold.
-void BendSession::handOver() {
-    restore();
-    writeAppliedTags();
-}
-
+/// Gives the layer the tags for filters: marks, and what points hold.
 void BendSession::writeAppliedTags() {
     TagTarget target;
     target.attribute = QString::fromStdString(appliedTags(document, layer));
@@ -50,7 +45,8 @@ std::string BendSession::poseByFilter(const Remark &remark) {
     PoseParam param;
     param.handles = handleParam();
     param.deformation = deformationOf(data.options);
-    handOver();
+    restore();
+    writeAppliedTags();
     std::string calls;
     if (RestShape::exists(layer) && RestShape(layer).shape() != shapeOf(layer.cm)) {
         resetPose(document, layer, {true, ResetPoseParam::LastShape}, {}); // poses begin from the present rest shape
@@ -142,7 +138,8 @@ std::string BendSession::applyToNewLayer(bool graphLayers, const Remark &remark)
     param.deformation = deformationOf(data.options);
     param.graphLayers = graphLayers;
     const std::string call = callToNewLayer(graphLayers);
-    handOver();
+    restore();
+    writeAppliedTags();
     applying(remark).deform(std::move(param), false, vcg::fcd::Progress());
     forgetMotions();
     return call;

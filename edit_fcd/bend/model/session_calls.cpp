@@ -6,7 +6,7 @@
 #include "edit_fcd/shape/script_call.h"
 
 #include <layer_fcd/kept_tool.h>
-#include <layer_fcd/motion_sources.h>
+#include <layer_fcd/handle_sources.h>
 
 // The filter calls with which a script repeats what is applied.
 

@@ -5,11 +5,9 @@
 #include "edit_fcd/bend/model/handles.h"
 #include "edit_fcd/bend/model/named_poses.h"
 #include "edit_fcd/bend/model/session.h"
-#include "edit_fcd/bend/model/steps.h"
 
-#include <layer_fcd/layer_look.h>
 #include <layer_fcd/layer_sequence.h>
-#include <layer_fcd/motion_sources.h>
+#include <layer_fcd/handle_sources.h>
 #include <layer_fcd/new_layers.h>
 
 #include <utility>

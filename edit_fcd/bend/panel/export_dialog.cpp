@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/panel/export_dialog.h"
 
-#include "edit_fcd/kit/tool_list.h"
 #include "edit_fcd/kit/tool_window.h"
 
 #include <algorithm>

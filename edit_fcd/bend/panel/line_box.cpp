@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/panel/line_box.h"
 
-#include "edit_fcd/kit/tool_list.h"
+#include "edit_fcd/kit/tool_window.h"
 
 #include <QFormLayout>
 #include <QHBoxLayout>

@@ -2,7 +2,11 @@
 #ifndef FCD_BEND_LISTS_H
 #define FCD_BEND_LISTS_H
 
+#include "edit_fcd/bend/panel/timeline.h"
 #include "edit_fcd/kit/cell_list.h"
+
+#include <QPushButton>
+#include <QWidget>
 
 /// A handle as the list shows it.
 struct BendHandleRow {
@@ -82,6 +86,29 @@ class BendKeyList : public CellList {
   private:
     enum Column { Time, Easing, Weights, Remove };
     std::vector<BendKeyRow> shown;
+};
+
+/// The part of the panel for named poses.
+class BendPoseBox : public QWidget {
+    Q_OBJECT
+
+  public:
+    enum Command { Keep, Load, Save, KeyFrame, Play, Export };
+
+    explicit BendPoseBox(QWidget *parent = nullptr);
+    BendPoseList &list() { return *poses; }
+    BendKeyList &keys() { return *frames; }
+    BendTimeline &timeline() { return *bar; }
+    void showPlaying(bool isPlaying) { play->setText(isPlaying ? "Stop" : "Play"); }
+
+  signals:
+    void command(int which);
+
+  private:
+    BendPoseList *poses;
+    BendKeyList *frames;
+    BendTimeline *bar;
+    QPushButton *play;
 };
 
 #endif

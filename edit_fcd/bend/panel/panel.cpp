@@ -15,7 +15,6 @@
 #include <QKeyEvent>
 #include <QScreen>
 #include <QSettings>
-#include <QVBoxLayout>
 #include <QWindow>
 
 const char *const brushSetting = "fcd/bend/brush", *const radiusSetting = "fcd/bend/radius";

@@ -6,9 +6,8 @@
 
 #include "edit_fcd/bend/panel/line_box.h"
 #include "edit_fcd/bend/panel/lists.h"
-#include "edit_fcd/bend/panel/pose_box.h"
 #include "edit_fcd/kit/action_table.h"
-#include "edit_fcd/kit/tool_list.h"
+#include "edit_fcd/kit/tool_window.h"
 
 #include <QButtonGroup>
 #include <QCheckBox>

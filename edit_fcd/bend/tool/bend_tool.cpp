@@ -32,21 +32,18 @@ void BendTool::draw() {
     }
     if (wasHidden)
         return;
-    if (preparing) {
-        if (layer()) {
-            overlay->draw(model->cm);
-            drawGhosts();
-        }
-    } else if (layer()) {
-        if (moving && !moving->draw(seen)) {
+    if (layer()) {
+        if (!preparing && moving && !moving->draw(seen)) {
             moving.reset();
             showVertices(false);
         }
-        if (!moving)
+        if (preparing || !moving)
             overlay->draw(model->cm);
-        drawGhosts();
-        drawOverlay();
-    } else if (!session && !isEnding && view)
+        if (onionSkin)
+            onionSkin->draw(model->cm);
+        if (!preparing)
+            drawOverlay();
+    } else if (!preparing && !session && !isEnding && view)
         later([this] {
             if (session || isEnding || !view || !view->md() || !view->md()->mm())
                 return;
@@ -65,11 +62,6 @@ std::string BendTool::hiddenText() const {
 void BendTool::expectSeen() const {
     if (isHidden())
         throw vcg::fcd::Error(hiddenText());
-}
-
-void BendTool::drawGhosts() {
-    if (onionSkin)
-        onionSkin->draw(model->cm);
 }
 
 void BendTool::drawOverlay() const {

@@ -67,7 +67,6 @@ class BendTool : public BendStage {
     void connectPoses();
     bool isForPanel(); ///< whether the panel may do something now
     void takeOptions();
-    void showOptions();
     void onOptions();
     void onCommand(int which);
     void apply(bool inPlace);
@@ -92,7 +91,6 @@ class BendTool : public BendStage {
     std::string hiddenText() const;
     void expectSeen() const; ///< \throw vcg::fcd::Error it is hidden
     void drawOverlay() const;
-    void drawGhosts();
     void showHandles();
     void showPoses();
     void lookForGhosts();

@@ -44,7 +44,7 @@ void BendTool::makePanel() {
             later([this] { refresh(); });
         });
     panel->allowStretch(model->cm.fn > 0);
-    showOptions();
+    panel->showOptions(session->model().options);
     setMode(usualMode);
     dockPanel(*view, *panel);
     if (session->state().marks)
@@ -56,9 +56,6 @@ void BendTool::takeOptions() {
     options = panel->options(options);
     setPose(session->edit(), panel->pose());
 }
-
-/// Shows the options of the session, after undo or redo.
-void BendTool::showOptions() { panel->showOptions(session->model().options); }
 
 void BendTool::onOptions() {
     if (!isForPanel())
@@ -153,7 +150,7 @@ void BendTool::onCommand(int which) {
             session->undo();
         else
             session->redo();
-        showOptions();
+        panel->showOptions(session->model().options);
         showOverlay();
         solve(true);
         break;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/base/words.h> // before Qt
 
-#include "edit_fcd/bend/model/steps.h"
+#include "edit_fcd/bend/model/handles.h"
 #include "edit_fcd/bend/tool/drag.h"
 
 #include <algorithm>

@@ -9,29 +9,16 @@
 
 #include <cmath>
 
-namespace {
-
 const int arrowPixels = 60, ringPixels = 42; // small: the surface below is visible, and can be hit
 const int ringParts = 48;
 const GLubyte litColor[] = {255, 225, 60};
 
 /// A point of the ring that turns about an axis. \param part of ringParts
-Eigen::Vector3d onRing(const Gizmo &gizmo, int axis, double radius, int part) {
+static Eigen::Vector3d onRing(const Gizmo &gizmo, int axis, double radius, int part) {
     const double angle = part * (360.0 / ringParts) * oneDegree;
     return gizmo.center + radius * (std::cos(angle) * gizmo.axes.col((axis + 1) % 3) +
                                     std::sin(angle) * gizmo.axes.col((axis + 2) % 3));
 }
-
-void put(const Eigen::Vector3d &p) { glVertex3d(p[0], p[1], p[2]); }
-
-void drawPoint(const Eigen::Vector3d &p, float size) {
-    glPointSize(size);
-    glBegin(GL_POINTS);
-    put(p);
-    glEnd();
-}
-
-} // namespace
 
 std::optional<GizmoPart> gizmoAt(const Camera &view, const Gizmo &gizmo, const Eigen::Vector2d &window) {
     const Eigen::Vector3d &center = gizmo.center;

@@ -105,7 +105,7 @@ SessionContents BendTool::takeSession(const QString &file) {
     session->follow(std::move(*before));
     if (session->state().poses)
         panel->unfoldPoses();
-    showOptions();
+    panel->showOptions(session->model().options);
     showVertices(true);
     showChanged();
     showOverlay();
@@ -160,7 +160,7 @@ bool BendTool::isReady() {
         return true;
     session.reset();
     if (open(*current))
-        showOptions();
+        panel->showOptions(session->model().options);
     else
         takeOptions();
     showOverlay();

@@ -59,12 +59,11 @@ std::vector<vcg::Color4b> MarkColors::ofMarks(const BendSession &session) {
         return color;
     const std::set<int> hidden = hiddenIn(state);
     color.assign(held.size(), vcg::Color4b(0, 0, 0, 0));
-    vcg::fcd::ParallelFor(0, held.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i)
-            if (held[i] != 1 && ((marks && (*marks)[i] != 1) || grips.count(held[i])) && !hidden.count(held[i])) {
-                color[i] = colorOfTag(held[i]);
-                color[i][3] = !making && isAlong(session.model(), i) ? alongOpacity : opacity;
-            }
+    forEach(held.size(), [&](std::size_t i) {
+        if (held[i] != 1 && ((marks && (*marks)[i] != 1) || grips.count(held[i])) && !hidden.count(held[i])) {
+            color[i] = colorOfTag(held[i]);
+            color[i][3] = !making && isAlong(session.model(), i) ? alongOpacity : opacity;
+        }
     });
     return color;
 }

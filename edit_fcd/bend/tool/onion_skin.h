@@ -5,7 +5,7 @@
 #include "edit_fcd/bend/model/session.h" // before Qt
 
 #include "edit_fcd/kit/job_runner.h"
-#include "edit_fcd/view/layer_ghost.h"
+#include "edit_fcd/view/layer_drawing.h"
 
 #include <functional>
 #include <map>

@@ -144,7 +144,7 @@ void BendTool::renamePose(std::size_t number, const std::string &name) {
 
 void BendTool::showBlend(const std::vector<double> &weights) {
     session->blend(weights);
-    showOptions();
+    panel->showOptions(session->model().options);
     solve(true);
 }
 

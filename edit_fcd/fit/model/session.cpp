@@ -7,8 +7,8 @@
 #include <layer_fcd/kept_tool.h>
 #include <layer_fcd/layer_contents.h>
 #include <layer_fcd/layer_normals.h>
-#include <layer_fcd/pose_in_place.h>
-#include <layer_fcd/tag_sources.h>
+#include <layer_fcd/layer_deformer.h>
+#include <layer_fcd/handle_sources.h>
 
 #include <vcg/complex/algorithms/update/bounding.h>
 
@@ -34,12 +34,6 @@ void FitSession::keepRest() {
     followFit.reset();
     lastPull.reset();
     shownPull.reset();
-}
-
-bool FitSession::isUpToDate() const {
-    Eigen::Matrix4d present;
-    layer.cm.Tr.ToEigenMatrix(present);
-    return rest.fits() && present == rest.world().matrix() && rest.isAsKnown();
 }
 
 std::string FitSession::goOn(const FitSession *before) {

@@ -46,7 +46,7 @@ class FitSession {
     FitSession &operator=(const FitSession &) = delete;
 
     /// Whether the layer has the matrix, positions and normals that it got here.
-    bool isUpToDate() const;
+    bool isUpToDate() const { return rest.isAsKnown(); }
     const FitState &state() const { return now; }
     FitState &edit() { return now; } ///< change pairs with the functions of pairs.h, weights with those below
     /// Takes over the state of an earlier session of the layer; if that had another rest shape, only its pairs. Then

@@ -3,7 +3,7 @@
 #include "edit_fcd/shape/script_call.h"
 
 #include <layer_fcd/kept_tool.h>
-#include <layer_fcd/tag_sources.h>
+#include <layer_fcd/handle_sources.h>
 #include <layer_fcd/weight_sources.h>
 
 #include <algorithm>

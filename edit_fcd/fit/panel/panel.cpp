@@ -10,8 +10,6 @@
 #include <QGridLayout>
 #include <QHBoxLayout>
 #include <QSignalBlocker>
-#include <QToolButton>
-#include <QVBoxLayout>
 
 // The slider is logarithmic: 100 steps are a factor of 10.
 static double stiffnessAt(int place) { return std::pow(10, place / 100.0); }

@@ -5,7 +5,7 @@
 #include "edit_fcd/fit/model/session.h" // before Qt
 #include "edit_fcd/kit/action_table.h"
 #include "edit_fcd/kit/cell_list.h"
-#include "edit_fcd/kit/tool_list.h"
+#include "edit_fcd/kit/tool_window.h"
 
 #include <QButtonGroup>
 #include <QCheckBox>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#ifndef FCD_MOTION_SOURCES_H
-#define FCD_MOTION_SOURCES_H
+#ifndef FCD_HANDLE_SOURCES_H
+#define FCD_HANDLE_SOURCES_H
 
 #include <vcg_ext/handles/motion_text.h> // before Qt
 
@@ -8,6 +8,18 @@
 
 #include <map>
 #include <vector>
+
+/// The tags of \p layer, one per vertex slot. If nothing is tagged, all is free with point handles or param.mayLack.
+/// \throw vcg::fcd::Error they cannot be read
+std::vector<int> readTags(const MeshModel &layer, const HandleParam &param);
+
+/// Whether \p layer has marks, or a quality that may be tags: whole numbers that no filter here has measured.
+bool mayHaveTags(const MeshModel &layer);
+
+/// Tags (one per vertex slot) and point handles of \p layer, without motions.
+/// \param rest positions per vertex slot; null: the layer is at rest \throw vcg::fcd::Error they cannot be read
+vcg::fcd::Handles readHandles(const MeshModel &layer, const Point3m *rest, const HandleParam &param,
+                              const Remark &remark);
 
 /// The steps of a text of motions, by tag. In it, "layer 'NAME'" is the motion from \p layer to that layer.
 /// \throw vcg::fcd::Error what is wrong with the text
