@@ -9,7 +9,7 @@
 #include <layer_fcd/layer_labels.h>
 #include <layer_fcd/layer_state.h>
 #include <layer_fcd/layer_straightener.h>
-#include <layer_fcd/layer_symmetrizer.h>
+#include <layer_fcd/layer_corrections.h>
 #include <layer_fcd/new_layers.h>
 #include <layer_fcd/session_file.h>
 #include <layer_fcd/tagging.h>

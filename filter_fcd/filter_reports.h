@@ -4,16 +4,15 @@
 
 #include <vcg_ext/field/field_sampling.h> // before Qt
 
+#include <layer_fcd/deformation_uses.h>
 #include <layer_fcd/filter_host.h>
 #include <layer_fcd/kept_aside.h>
-#include <layer_fcd/layer_compensator.h>
+#include <layer_fcd/layer_corrections.h>
 #include <layer_fcd/layer_deformer.h>
 #include <layer_fcd/layer_fitter.h>
 #include <layer_fcd/layer_sequence.h>
 #include <layer_fcd/layer_straightener.h>
-#include <layer_fcd/layer_symmetrizer.h>
 #include <layer_fcd/parameters.h>
-#include <layer_fcd/deformation_uses.h>
 
 #include <string>
 #include <vector>

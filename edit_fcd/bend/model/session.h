@@ -5,8 +5,7 @@
 #include "edit_fcd/bend/model/named_poses.h" // these before Qt
 #include "edit_fcd/bend/model/model.h"
 #include "edit_fcd/kit/history.h"
-#include "edit_fcd/shape/pose_solver.h"
-#include "edit_fcd/shape/rest_guard.h"
+#include "edit_fcd/shape/layer_shape.h"
 
 #include <vcg_ext/sequence/surface_look.h>
 

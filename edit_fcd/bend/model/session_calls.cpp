@@ -26,6 +26,13 @@ static std::string withShape(ScriptCall call, const BendOptions &options) {
     return call.with("initial_patches", options.initialPatches, usual.initialPatches).end();
 }
 
+/// The call that writes the file of poses.
+static std::string tableCall(PoseSequence table, std::vector<vcg::fcd::KeyFrame> frames) {
+    table.key = std::move(frames);
+    table.surface.reset();
+    return "open('poses.csv', 'w', encoding='utf-8').write(" + inPython(PoseSequenceText(table)) + "); ";
+}
+
 std::string BendSession::filterCall(const std::string &script, const Call &own, bool graphLayers) const {
     const BendOptions usual;
     ScriptCall call(script);
@@ -82,11 +89,7 @@ BendSession::Call BendSession::callOfPose() const {
 std::string BendSession::blendCall() const {
     if (data.options.weights != BendOptions().weights)
         return {};
-    PoseSequence table = *state().poses;
-    table.surface.reset();
-    table.key = {{0, vcg::fcd::Easing::Linear, state().weights}};
-    return "open('poses.csv', 'w', encoding='utf-8').write(" + inPython(PoseSequenceText(table)) + "); " +
-           sequenceCall(true);
+    return tableCall(*state().poses, {{0, vcg::fcd::Easing::Linear, state().weights}}) + sequenceCall(true);
 }
 
 std::string BendSession::callInPlace() const {
@@ -114,9 +117,6 @@ std::string BendSession::exportCall(const Animation &animation, const AnimationE
     const bool isWhole = animation.key.size() == state().poses->key.size() && how.from == animation.key.front().time &&
                          how.to == animation.key.back().time;
     ScriptCall call("generate_fcd_pose_sequence");
-    PoseSequence table = animation.poses;
-    table.key = animation.key;
-    table.surface.reset();
     if (!isWhole)
         call.with("poses_file", std::string("poses.csv"));
     call.with("handles", 2).with("tag_attribute", appliedTags(document, layer)).with("frame_layers", int(how.layers));
@@ -128,7 +128,5 @@ std::string BendSession::exportCall(const Animation &animation, const AnimationE
     std::string text = withShape(call, data.options);
     if (data.options.weights != BendOptions().weights)
         text += " (nearly: FCD: Pose Sequence has no other distances)";
-    return isWhole
-               ? text
-               : "open('poses.csv', 'w', encoding='utf-8').write(" + inPython(PoseSequenceText(table)) + "); " + text;
+    return isWhole ? text : tableCall(animation.poses, animation.key) + text;
 }

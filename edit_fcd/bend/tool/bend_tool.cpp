@@ -3,7 +3,7 @@
 
 #include "edit_fcd/bend/model/guide_line.h"
 #include "edit_fcd/bend/model/handles.h"
-#include "edit_fcd/view/brush.h"
+#include "edit_fcd/view/pointing.h"
 
 #include <QCursor>
 

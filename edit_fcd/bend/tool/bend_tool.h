@@ -3,8 +3,7 @@
 #define FCD_BEND_TOOL_H
 
 #include "edit_fcd/bend/tool/drag_interaction.h" // before Qt
-#include "edit_fcd/bend/tool/line_preview.h"
-#include "edit_fcd/bend/tool/onion_skin.h"
+#include "edit_fcd/bend/tool/previews.h"
 
 #include "edit_fcd/bend/panel/panel.h"
 

@@ -10,7 +10,7 @@
 using vcg::fcd::MotionStep;
 
 /// Appends a step, or joins it with the last one if that makes the same motion.
-static std::vector<MotionStep> joined(std::vector<MotionStep> steps, const MotionStep &step) {
+static std::vector<MotionStep> withStep(std::vector<MotionStep> steps, const MotionStep &step) {
     if (!steps.empty() && steps.back().kind == step.kind && steps.back().about == step.about) {
         MotionStep &last = steps.back();
         switch (step.kind) {
@@ -198,15 +198,15 @@ std::map<int, BendDrag::Steps> BendDrag::motions(const Camera &view) const {
     Steps placed = added;
     setPlaces(placed, pivot); // all about this pivot, not each about its own middle
     for (std::size_t i = 0; i < added.size(); ++i) {
-        all[tag] = joined(all[tag], added[i]);
+        all[tag] = withStep(all[tag], added[i]);
         for (const auto &each : carried)
-            all[each.first] = joined(all[each.first], placed[i]);
+            all[each.first] = withStep(all[each.first], placed[i]);
     }
     if (!before)
         return all;
     const auto turned = does() == Limb ? step(view) : std::nullopt;
     for (const auto &[other, begun] : before->carried)
-        all[other] = turned ? joined(begun, *turned) : begun;
+        all[other] = turned ? withStep(begun, *turned) : begun;
     return all;
 }
 

@@ -2,7 +2,7 @@
 #include "edit_fcd/bend/tool/drag_interaction.h"
 
 #include "edit_fcd/bend/model/handles.h"
-#include "edit_fcd/view/layer_ray.h"
+#include "edit_fcd/view/pointing.h"
 #include "edit_fcd/view/trace.h"
 
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/tool/drag_interaction.h"
 
-#include "edit_fcd/view/layer_ray.h"
+#include "edit_fcd/view/pointing.h"
 
 // A stroke along a limb sets the pivot of a turn, and what turns.
 

@@ -2,7 +2,7 @@
 #include "edit_fcd/bend/model/guide_line.h"
 #include "edit_fcd/bend/model/session.h"
 #include "edit_fcd/bend/tool/interactions.h"
-#include "edit_fcd/view/layer_ray.h"
+#include "edit_fcd/view/pointing.h"
 #include "edit_fcd/view/trace.h"
 
 #include <cmath>

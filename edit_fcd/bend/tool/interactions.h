@@ -3,7 +3,7 @@
 #define FCD_BEND_INTERACTIONS_H
 
 #include "edit_fcd/bend/tool/stage.h"
-#include "edit_fcd/view/brush.h"
+#include "edit_fcd/view/pointing.h"
 
 /// Marks vertices as the panel says, by brush, rectangle or polygon.
 class MarkInteraction : public BendInteraction {

@@ -2,15 +2,13 @@
 #include <vcg_ext/fit/fit_start.h> // before Qt
 
 #include "edit_fcd/fit/model/session.h"
-#include "edit_fcd/shape/rest_guard.h"
+#include "edit_fcd/shape/layer_shape.h"
 
 #include <layer_fcd/kept_tool.h>
 #include <layer_fcd/layer_contents.h>
 #include <layer_fcd/layer_normals.h>
 #include <layer_fcd/layer_deformer.h>
 #include <layer_fcd/handle_sources.h>
-
-#include <vcg/complex/algorithms/update/bounding.h>
 
 #include <algorithm>
 
@@ -253,16 +251,10 @@ void FitSession::showPulled() {
     know(FitShape::Pulled, true);
 }
 
-/// Call after the layer has got a shape.
+/// Call after the layer has got a shape. \param full computes the box, and the normals of a mesh
 void FitSession::know(FitShape shape, bool full) {
-    if (full && layer.cm.fn > 0)
+    if (full)
         computeBoxAndNormals(layer.cm);
-    else if (full)
-        vcg::tri::UpdateBounding<CMeshO>::Box(layer.cm);
-    know(shape);
-}
-
-void FitSession::know(FitShape shape) {
     rest.know();
     shown = shape;
     isLeft = false;

@@ -2,7 +2,7 @@
 #ifndef FCD_FIT_SESSION_H
 #define FCD_FIT_SESSION_H
 
-#include "edit_fcd/shape/rest_guard.h" // these before Qt
+#include "edit_fcd/shape/layer_shape.h" // these before Qt
 #include "edit_fcd/fit/model/pairs.h"
 #include "edit_fcd/kit/history.h"
 
@@ -132,8 +132,7 @@ class FitSession {
     bool hasPulledWeights(const MeshModel &target) const;
     void showPainted(const FitState &from);
     std::string filterCall(const MeshModel &target, bool graphLayers) const;
-    void know(FitShape shape, bool full);
-    void know(FitShape shape);
+    void know(FitShape shape, bool full = false);
     std::string takeTold(const FitToolState &told);
 
     MeshDocument &document;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/fit/tool/fit_tool.h"
 
-#include "edit_fcd/view/layer_ray.h"
+#include "edit_fcd/view/pointing.h"
 
 #include <QFileDialog>
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/fit/tool/fit_tool.h"
-#include "edit_fcd/view/brush.h"
+#include "edit_fcd/view/pointing.h"
 #include "edit_fcd/view/colors.h"
 #include "edit_fcd/view/layer_drawing.h"
-#include "edit_fcd/view/layer_ray.h"
 
 #include <layer_fcd/edit_host.h>
 #include <layer_fcd/layer_matrix.h>
