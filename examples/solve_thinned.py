@@ -3,13 +3,14 @@
 
     python solve_thinned.py LANDMARKS.csv bend.ply SPACING TILE.laz...
 
-A line of the landmarks is x, y, z and where that is to go, x, y, z; what stays is a landmark that goes where it is. Tiles are read in
-chunks. One point is kept in each cube with sides of SPACING, a fraction of the distance between landmarks: some ten thousand points
-are plenty. Each landmark moves the point that is kept nearest to it. Needs laspy and pymeshlab_fcd."""
+Each line of LANDMARKS.csv is a landmark: x, y, z, and where it belongs, x, y, z. A landmark that stays has the same place twice. The
+program reads tiles in chunks, and keeps one point in each cube with sides of SPACING. Take a fraction of the distance between landmarks:
+some ten thousand points are plenty. Each landmark moves the kept point that is nearest to it. Needs laspy and pymeshlab_fcd."""
 from __future__ import annotations
 
 import re
 import sys
+import warnings
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -66,14 +67,16 @@ def number_of(word: str, what: str) -> float:
 
 def tell_doubts(starts: NDArray[np.float64], points: NDArray[np.float64], spacing: float) -> None:
     """Warns of landmarks beside the survey, and if too few points are kept to bend between the landmarks: fewer than three lines of three
-    for each. A point of the survey has a kept one within the diagonal of its cube."""
+    for each. A point of the survey has a kept one within the diagonal of its cube. Raises ValueError if no point is left to bend."""
+    if len(points) <= len(starts):
+        raise ValueError(f"only {len(points)} points are kept for {len(starts)} landmarks, so none can bend: take a smaller spacing")
     if len(points) < 9 * len(starts):
         print(f"only {len(points)} points are kept for {len(starts)} landmarks, and little bends between them: take a smaller spacing",
               file=sys.stderr)
     for number, start in enumerate(starts, 1):
         off = np.sqrt(((points - start) ** 2).sum(1).min())
         if off > np.sqrt(3) * spacing:
-            print(f"landmark {number} is {off:.6g} from the nearest point that was kept, which moves in its place: check its coordinates",
+            print(f"landmark {number} is {off:.6g} from the nearest kept point, which moves in its place: check its coordinates",
                   file=sys.stderr)
 
 
@@ -83,7 +86,9 @@ def main(landmarks: str, target: str, spacing: str, *tiles: str) -> None:
     points = thinned(tiles, side)
     if len(points):
         tell_doubts(starts, points, side)
-    bend = pymeshlab_fcd.deformation(points, points=starts, landmarks=ends)
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", r"Landmark \d+, counted from 0", pymeshlab_fcd.LandmarkWarning)  # told, by the number of its line
+        bend = pymeshlab_fcd.deformation(points, points=starts, landmarks=ends)
     bend.save(target)
     print(len(points), "points kept,", bend)
 

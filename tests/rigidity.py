@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Point handles at their true places on shapes that were sheared, bent and warped by formulas: how far off all vertices are (rms, % of the
-diagonal), by the rigidity, and by splines of the same points through space (SciPy).
+diagonal), by the rigidity, and by splines of the same points through space (SciPy). Geometric means over the meshes, as a table for
+tests/measured.py.
 
     build/venv-python/bin/python tests/rigidity.py [MESH...]
 
@@ -59,7 +60,7 @@ def bent_by_90_degrees(x):
     return y
 
 
-MAPS = {"sheared, bent": sheared_and_bent, "twisted, tapered": twisted_and_tapered, "warped, 7": warped(7), "warped, 8": warped(8), "bent by 90": bent_by_90_degrees}
+MAPS = {"sheared and bent": sheared_and_bent, "twisted and tapered": twisted_and_tapered, "warped": warped(7), "warped otherwise": warped(8), "bent by 90 degrees": bent_by_90_degrees}
 
 
 def spread(vertices, count):
@@ -73,25 +74,21 @@ def spread(vertices, count):
 
 
 def main(files):
-    columns = [f"r = {r}" for r in RIGIDITIES] + ["spline r", "r^2 log r"]
-    print(f"{'':16}{'':18}points" + "".join(f"{c:>11}" for c in columns))
-    rows = {name: [] for name in MAPS}
+    rows = {(name, count): [] for name in MAPS for count in COUNTS}
     for file in files:
         ply = Ply(file)
         x = unit(np.asarray(ply.vertices, float))
-        for name, warp in MAPS.items():
-            truth = warp(x)
-            for count in COUNTS:
-                points = spread(x, count)
-                posed = [Deformer(x, ply.faces, None, points, rigidity=r).pose(landmarks=truth[points], check=False).vertices for r in RIGIDITIES]
-                posed += [RBFInterpolator(x[points], truth[points], kernel=kernel, degree=1)(x) for kernel in ("linear", "thin_plate_spline")]
-                off = [100 * np.sqrt(((p - truth)**2).sum(1).mean()) / np.linalg.norm(np.ptp(truth, 0)) for p in posed]
-                rows[name].append((count, off))
-                print(f"{file.stem[:15]:16}{name:18}{count:6}" + "".join(f"{o:11.3f}" for o in off), flush=True)
-    for name, all_of_it in rows.items():
-        for count in COUNTS:
-            mean = np.exp(np.mean([np.log(off) for n, off in all_of_it if n == count], axis=0))
-            print(f"{'mean':16}{name:18}{count:6}" + "".join(f"{o:11.3f}" for o in mean))
+        for name, count in rows:
+            truth, points = MAPS[name](x), spread(x, count)
+            posed = [Deformer(x, ply.faces, None, points, rigidity=r).pose(landmarks=truth[points], check=False).vertices for r in RIGIDITIES]
+            posed += [RBFInterpolator(x[points], truth[points], kernel=kernel, degree=1)(x) for kernel in ("linear", "thin_plate_spline")]
+            off = [100 * np.sqrt(((p - truth)**2).sum(1).mean()) / np.linalg.norm(np.ptp(truth, 0)) for p in posed]
+            rows[name, count].append(off)
+            print(f"{file.stem}, {name}, {count} points:" + "".join(f" {o:.3f}" for o in off), file=sys.stderr, flush=True)
+    print("| shape | points | " + " | ".join([*(f"rigidity {r:g}" for r in RIGIDITIES), "spline of space, *r*", "spline, *r*² log *r*"]) + " |")
+    print("|---" * (len(RIGIDITIES) + 4) + "|")
+    for (name, count), all_of_it in rows.items():
+        print(f"| {name} | {count} | " + " | ".join(f"{o:.2f}" for o in np.exp(np.mean(np.log(all_of_it), axis=0))) + " |")
 
 
 if __name__ == "__main__":
