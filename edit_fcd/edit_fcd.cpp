@@ -56,30 +56,26 @@ HostEditTool *EditFcd::makeTool(QAction *action) const {
 
 QString EditFcd::help(const QAction *action) const {
     if (action == fit)
-        return "Lays the current layer, a template, onto another one, a scan.<br>"
-               "<b>Pairs:</b> click a point on this layer, then the same one on the target; the layer follows, as "
-               "rigidly as possible. Drag a point to move it, <i>Del</i> removes the pair that is selected.<br>"
-               "<b>Pull onto the target</b> (P) lays the surface onto it, with the pairs kept; <i>Stiffness</i> tells "
-               "how rigidly. <i>Show distance</i> colours it by how far it is from there.<br>"
-               "<b>Camera:</b> drag, with any button; wheel.<br>"
-               "A layer is what it shows, also when the tool ends; back in it, it goes on as it was left. <i>Apply in "
-               "place</i> begins anew from the shape, <i>Apply to new layer</i> leaves this layer as it was, and the "
-               "log gets the filter call that makes the same one in a script.";
-    return "Bends the current layer by hand, however many vertices it has.<br>"
-           "<b>At once:</b> press on the surface and drag. A limb turns at its joint so that the point follows the "
-           "mouse. Elsewhere, and in the mode <i>Pull</i> (M), the point is pulled: what is around it bends, and all "
-           "beyond the <i>reach</i> (wheel while dragging) stays fixed. What would move is tinted before.<br>"
-           "<b>With marks:</b> choose <i>Brush</i> (B), <i>Box</i> (V) or <i>Lasso</i> (L) and what is marked: fixed "
-           "(F, blue), free (U), a handle (H, red; Shift+H the next one) or ignored (O, grey). Then <i>Pull</i> (M), "
-           "and drag a handle, an arrow (moves along an axis) or a ring (turns). Marks are tags for the FCD filters, "
-           "too; colours and quality of the layer stay as they are.<br>"
-           "<b>Straighten</b> (N): click points along the layer, from one end to the other; the line of another layer, "
-           "or of a file, will do as well.<br>"
-           "<b>Keys:</b> the button <i>?</i> in the panel shows them all.<br>"
-           "<b>Camera:</b> drag beside the mesh, or with the right or middle button; wheel.<br>"
-           "A layer is what it shows: whatever comes next, another layer, a filter, a file, finds the pose. Back in "
-           "the tool, it goes on as it was left, with its undo. The log gets the filter call that makes the same shape "
-           "in a script.";
+        return "Lays the current layer, a template, onto another one, a scan.<br><b>Pairs:</b> click a point on this "
+               "layer, then the same one on the target; the layer follows, as rigidly as possible. Drag a point to "
+               "move it, <i>Del</i> removes the pair that is selected.<br><b>Pull onto the target</b> (P) lays the "
+               "surface onto it and keeps the pairs; <i>Stiffness</i> tells how rigidly. <i>Show distance</i> colours "
+               "it by its distance from the target.<br><b>Camera:</b> drag, with any button; wheel.<br>The layer keeps "
+               "the shape that you see when the tool ends; come back, and you go on where you were. <i>Apply in "
+               "place</i> begins again from the shape, <i>Apply to new layer</i> leaves this layer as it was. The log "
+               "gets the filter call for a script.";
+    return "Bends the current layer by hand, however many vertices it has.<br><b>At once:</b> press on the surface and "
+           "drag. A limb turns at its joint so that the point follows the mouse. Elsewhere, and in the mode "
+           "<i>Pull</i> (M), you pull the point: its surroundings bend, and all beyond the <i>reach</i> (wheel while "
+           "dragging) stays fixed. Before you press, a tint shows what would move.<br><b>With marks:</b> choose "
+           "<i>Brush</i> (B), <i>Box</i> (V) or <i>Lasso</i> (L) and what you mark: fixed (F, blue), free (U), a "
+           "handle (H, red; Shift+H the next one) or ignored (O, grey). Then <i>Pull</i> (M), and drag a handle, an "
+           "arrow (moves along an axis) or a ring (turns). Marks are tags for the FCD filters, too; colours and "
+           "quality of the layer stay as they are.<br><b>Straighten</b> (N): click points along the layer, from one "
+           "end to the other; the line of another layer, or of a file, will do as well.<br><b>Keys:</b> the button "
+           "<i>?</i> in the panel shows them all.<br><b>Camera:</b> drag beside the mesh, or with the right or middle "
+           "button; wheel.<br>The layer keeps the shape that you see, for other filters and in files. Come back to the "
+           "tool, and you go on where you were, with undo. The log gets the filter call for a script.";
 }
 
 #include "layer_fcd/moc_edit_host.cpp" // NOLINT(bugprone-suspicious-include)

@@ -126,7 +126,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::copy(const RichParameterList &parame
                  (layer != param.source && layer != param.restGraph && layer != param.deformedGraph)))
                 targets.push_back(const_cast<MeshModel *>(layer));
         if (targets.empty())
-            throw Error("No layer but the source and its graphs is visible. Show those that are to be deformed.");
+            throw Error("Only the source and its graphs are visible. Show the layers that you want to deform.");
     }
     const DeformedCopies made = copyDeformation(document, param, targets, toLog(), progress);
     logLine(counted(targets.size(), "layer of ", "layers of ") + std::to_string(made.vertices) +
@@ -138,13 +138,12 @@ HostFilterPlugin::ReturnedValues FilterFcd::copy(const RichParameterList &parame
 
 void FilterFcd::warnOf(const vcg::fcd::PoseWay &way, bool converged, double discretisationError) const {
     if (way.jumps)
-        logLine("The shape jumps to another one on its way: it is twisted or pressed by more than it carries. Move the "
-                "handles less" +
+        logLine("The shape jumps to another one on its way: the handles twist or press it too far. Move them less" +
                     std::string(host::scriptsMayLackParameters ? "." : ", or raise pose_steps."),
                 GLLogStream::WARNING);
     if (way.unstable)
-        logLine("The shape would buckle: it is pressed or twisted by more than it carries. To let it bow, mark a "
-                "handle in its middle and pull that to the side that you want.",
+        logLine("The shape would buckle: the handles press or twist it too far. To let it bow, mark a handle in its "
+                "middle and pull that to the side that you want.",
                 GLLogStream::WARNING);
     if (!converged)
         logLine("The deformation did not converge: raise max_iterations, or tolerance, or move the handles less at "
@@ -154,7 +153,7 @@ void FilterFcd::warnOf(const vcg::fcd::PoseWay &way, bool converged, double disc
         std::ostringstream line;
         line.precision(2);
         line << "With so few patches, the shape is off by about " << 100 * discretisationError
-             << " percent of the diagonal of what bends (rms). Raise initial_patches.";
+             << " percent of the diagonal of the part that bends (rms). Raise initial_patches.";
         logLine(line.str(), GLLogStream::WARNING);
     }
 }

@@ -51,8 +51,8 @@ void askBending(Fields &fields, vcg::fcd::DeformationParam &deformation, bool al
     using vcg::fcd::PatchMeasure;
     askElasticity(fields, deformation);
     fields.field("max_iterations", deformation.maxIterations, Shown::Advanced, "Maximum iterations",
-                 "The shape is improved until it converges, at most this often. <b>Raise it</b> when the log says that "
-                 "it did not converge. A converged result does not change.");
+                 "The most steps to the shape; fewer if it converges before. <b>Raise it</b> when the log says that it "
+                 "did not converge. A converged result does not change.");
     fields.field("tolerance", deformation.tolerance, Shown::Advanced, "Tolerance",
                  "Converged means: no node is farther from its final place than ten times this fraction of the "
                  "bounding box diagonal, by estimate. <b>Raise it</b> to end sooner and less exactly.");
@@ -63,9 +63,9 @@ void askBending(Fields &fields, vcg::fcd::DeformationParam &deformation, bool al
         "For comparisons; leave it. How strongly neighbouring patches hold together. <i>Common border</i>: by the "
         "length of the border and the distance of the centres. The shape then hardly depends on where the patches lie. "
         "<i>Uniform</i>: all alike. <i>As in the paper</i>: all alike, and patches are balanced by number of vertices, "
-        "not by area. <i>The paper to the letter</i>: all else is as printed, too. Vertices follow the nodes whose "
-        "patch would reach them (Eqs. 7 and 8). Held parts do not give way or blend. Plain steps end when none moves a "
-        "node by more than the tolerance. 'Distances' and 'Influence' are not read then.");
+        "not by area. <i>The paper to the letter</i>: everything else is as printed, too. Vertices follow the nodes "
+        "whose patch would reach them (Eqs. 7 and 8). Held parts do not give way or blend. Iterations end at a step "
+        "that moves no node by more than the tolerance. 'Distances' and 'Influence' do not count then.");
     deformation.graphWeights = chosen == 0   ? GraphWeights::Border
                                : chosen == 3 ? GraphWeights::Printed
                                              : GraphWeights::Uniform;
@@ -75,21 +75,21 @@ void askBending(Fields &fields, vcg::fcd::DeformationParam &deformation, bool al
                  "How far a node reaches, in radii of its patch. <b>Raise it</b> to blend over more nodes: smoother "
                  "and a little slower. Below 2 the patches begin to show.");
     fields.choice("loose_parts", deformation.looseParts, Shown::Advanced, {"Follow", "Stay"}, "Loose parts",
-                  "What becomes of parts that are connected to no handle and nothing fixed. They <i>follow</i> the "
-                  "nearest part that is (a button follows the sleeve), or <i>stay</i>.");
+                  "Parts that are connected to no handle and nothing fixed <i>follow</i> the nearest connected part (a "
+                  "button follows the sleeve), or <i>stay</i>.");
     if (all)
         fields.field("weld_distance", deformation.weldDistance, Shown::Advanced, "Weld distance",
                      "Vertices on open borders that are at most this far apart count as one, so a seam does not tear. "
-                     "A fraction of the bounding box diagonal of what bends. <b>Raise it</b> when the log says that "
-                     "close borders are not joined. <b>0</b>: only vertices at the same place count as one.");
-    fields.field(
-        "pose", deformation.pose, Shown::Always, "Pose (percent)",
-        "How much of the motion is carried out: 0 is the mesh as it is, 100 the full motion. It may exceed 100.");
+                     "A fraction of the bounding box diagonal of the surface that bends. <b>Raise it</b> when the log "
+                     "says that close borders are not joined. <b>0</b>: only vertices at the same place count as one.");
+    fields.field("pose", deformation.pose, Shown::Always, "Pose (percent)",
+                 "How far handles move, as a part of their motion: 0 is the mesh as it is, 100 the full motion. It may "
+                 "exceed 100.");
     if (all)
         fields.field(
             "pose_steps", deformation.steps, Shown::Advanced, "Pose in steps",
-            "The least number of steps to the pose, each bent from the one before. A handle that turns takes at least "
-            "one for each 60 degrees. <b>Raise it</b> (to 10, say) when the log says that the shape jumps on its way.");
+            "The least number of steps to the pose, each from the shape before. A handle that turns takes at least one "
+            "for each 60 degrees. <b>Raise it</b> (to 10, say) when the log says that the shape jumps on its way.");
     if (fields.areRead())
         deformation.Validate();
 }
@@ -154,11 +154,11 @@ void askMotion(Fields &fields, HandleParam &handles, Shown shown = Shown::Always
 
 void askTarget(Fields &fields, TagTarget &target) {
     fields.field("tag_attribute", target.attribute, Shown::Advanced, "Attribute for tags",
-                 "Name of the scalar attribute per vertex that gets the tags. It is added where it is lacking. "
+                 "Name of the scalar attribute per vertex that gets the tags. The filter adds it if it is missing. "
                  "<b>Empty</b> (the default): the vertex quality gets them.");
     fields.field("colorize", target.colorize, Shown::Always, "Colour by tag",
                  "Colours vertices by tag: fixed blue, free yellow, handles red in shades, outside grey. The layer's "
-                 "own colours are kept aside. Deformed layers have them, and 'FCD: Clear Tags' brings them back.");
+                 "own colours are not lost: deformed layers have them, and 'FCD: Clear Tags' brings them back.");
 }
 
 void askRole(Fields &fields, TagParam &param, bool all) {
@@ -192,11 +192,11 @@ void askHandles(Fields &fields, HandleParam &handles, Shown shown) {
     askMotionText(fields, handles, shown);
     fields.openFile(
         "point_handles_file", handles.pointFile, Shown::Advanced, {"*.csv", "*.pp"}, "Point file (.csv, .pp)",
-        "Points and where they go, in world coordinates. How the surface turns there is free. A list has a line for "
-        "each point: <i>vertex, x, y, z</i> (number of the vertex, from 0, and target) or <i>x, y, z, x, y, z</i> "
-        "(start and target). Commas, semicolons or blanks separate them; # begins a comment. Picked points "
-        "(.pp) alternate start and target. The vertex nearest to a start moves as the start does. Points come in "
-        "addition to tags, and belong where the surface is free. A layer without tags is all free then.");
+        "Points and where they go, in world coordinates. The surface turns freely there. A list has a line for each "
+        "point: <i>vertex, x, y, z</i> (number of the vertex, from 0, and target) or <i>x, y, z, x, y, z</i> (start "
+        "and target). Commas, semicolons or blanks separate them; # begins a comment. Picked points (.pp) alternate "
+        "start and target. The vertex nearest to a start moves as the start does. You may combine points and tags; "
+        "points belong where the surface is free. A layer without tags is then all free.");
     askMotion(fields, handles, shown);
     if (fields.areRead())
         handles.validate();

@@ -157,8 +157,8 @@ HostFilterPlugin::ReturnedValues FilterFcd::clearTags(const MeshDocument &docume
                 " by something else since they were tagged: they have what was at their place.");
     if (made.others > 0)
         logLine(std::to_string(made.others) + were +
-                    ", coloured or given another quality by something else since they were tagged: they keep what "
-                    "they have.",
+                    ", coloured or given another quality by something else since they were tagged: they keep what they "
+                    "have.",
                 GLLogStream::WARNING);
     return {{"other_vertices", made.others}, {"new_vertices", made.placed}};
 }

@@ -10,12 +10,12 @@ static void askLayers(Fields &fields, DeformationLayers &layers) {
     const DeformationLayers last = lastDeformation(fields.document);
     fields.layer(
         "source_layer", layers.source, last.source ? last.source : fields.document.mm(), Shown::Always, "Source layer",
-        "The layer that was deformed, in the shape that it had then. By default that of the last deformation.");
+        "The layer that you deformed, in the shape that it had before. By default that of the last deformation.");
     fields.layer("rest_graph", layers.restGraph, last.restGraph ? last.restGraph : likelyGraph(fields.document, false),
-                 Shown::Always, "Graph at rest", "The layer with the deformation graph of the source.");
+                 Shown::Always, "Graph at rest", "The layer with the graph of the source at rest.");
     fields.layer("deformed_graph", layers.deformedGraph,
                  last.deformedGraph ? last.deformedGraph : likelyGraph(fields.document, true), Shown::Always,
-                 "Deformed graph", "The layer with the same graph, deformed.");
+                 "Deformed graph", "The layer with the deformed graph of the source.");
 }
 
 /// Whether to add the attribute "fcd_displacement".
@@ -31,8 +31,8 @@ void ask(Fields &fields, BuildGraphParam &param) {
     askTargetRadius(fields, param.graph, Shown::Always);
     askInitialPatches(fields, param.graph, Shown::Always);
     fields.field("max_iterations", param.graph.maxIterations, Shown::Advanced, "Maximum iterations",
-                 "Patches are improved until they hardly change, at most this often. <b>Raise it</b> when the log says "
-                 "that they did not converge.");
+                 "The most steps to improve the patches; fewer if they hardly change any more. <b>Raise it</b> when "
+                 "the log says that they did not converge.");
     askRandomSeed(fields, param.graph);
     fields.field("patches_layer", param.patchesLayer, Shown::Always, "Add patch layer",
                  "Also adds a copy of the mesh, coloured by patch. Its quality is the number of the patch.");
@@ -73,8 +73,8 @@ void ask(Fields &fields, DeformMeshParam &param) {
     askDisplacement(fields, param.displacement);
     if (host::scriptsMayLackParameters)
         fields.field("stop_at_contact", param.stopAtContact, Shown::Advanced, "Stop at contact",
-                     "Carries the motion out only until the surface would pass through itself, to a hundredth of the "
-                     "motion. Solves eight poses; the log tells how far it came.");
+                     "Stops the motion before the surface passes through itself, to a hundredth of the motion. Solves "
+                     "eight poses; the log tells how far they came.");
     deformation.contact = param.quality == DeformMeshParam::Contact;
     deformation.measure = param.quality == DeformMeshParam::Stretch || param.quality == DeformMeshParam::Rotation;
     if (!host::dialogsFold) // the most important ones come first
@@ -91,13 +91,13 @@ void ask(Fields &fields, PoseParam &param) {
     askRandomSeed(fields, param.deformation.graph);
     askBending(fields, param.deformation, true);
     fields.field("exact_normals", param.exactNormals, Shown::Advanced, "Exact normals",
-                 "Computes normals of what moves from the faces, as MeshLab does. Without it they turn with the "
-                 "surface: a tenth faster, and some degrees off where it bends. A layer's own normals, and those of "
-                 "clouds, turn in any case.");
+                 "Computes normals from the faces where the surface moves, as MeshLab does. Without it they turn with "
+                 "the surface: a tenth faster, and some degrees off where it bends. A layer's own normals, and those "
+                 "of clouds, turn in any case.");
     if (host::scriptsMayLackParameters)
         fields.field("contact", param.contact, Shown::Advanced, "Look for contact",
                      "Counts the triangles that pass through the layer and did not at rest, and tells how far. Takes "
-                     "several times as long as the pose, in each step of a preview, too.");
+                     "several times as long as the pose, also in each step of a preview.");
     if (!host::dialogsFold)
         fields.order({"handles", "translation", "rotation_axis", "rotation_angle", "rotation_center", "rotation_point",
                       handleLayer, "smoothness", "pose", "transforms", "tag_attribute", "initial_patches"},
@@ -107,8 +107,8 @@ void ask(Fields &fields, PoseParam &param) {
 void ask(Fields &fields, CopyParam &param) {
     // The first parameter, since meshlabserver 2020.09 fills in a missing first parameter only.
     fields.openFile("deformation_file", param.file, Shown::Always, {"*.ply"}, "Saved deformation (.ply)",
-                    "A file of 'FCD: Save Deformation', in world coordinates. The three layers below are not read "
-                    "then. <b>Empty</b> (the default): these layers have the deformation.");
+                    "A file of 'FCD: Save Deformation', in world coordinates. <b>Empty</b> (the default): the three "
+                    "layers below have the deformation.");
     askLayers(fields, param);
     fields.field("all_visible", param.allVisible, Shown::Always, "All visible layers",
                  "Deforms every visible layer but those above, instead of the current one.");
@@ -116,17 +116,17 @@ void ask(Fields &fields, CopyParam &param) {
 }
 
 void ask(Fields &fields, ResetPoseParam &param) {
-    fields.choice(
-        "to", param.to, Shown::Always,
-        {"The shape before the last pose", "The shape as loaded",
-         "The shape before the last pose, whatever has moved it"},
-        "Back to",
-        "<b>The shape before the last pose</b> (0): one step; if the layer has that shape already, one more. 'Apply' "
-        "in the tool 'FCD: Bend' and 'Keep the present shape' end a step.<br><b>The shape as loaded</b> (1): that "
-        "before the first pose.<br><b>The shape before the last pose, whatever has moved it</b> (2): also undoes what "
-        "another filter has moved since (smoothed, say). New vertices or other faces are an error.");
+    fields.choice("to", param.to, Shown::Always,
+                  {"The shape before the last pose", "The shape as loaded",
+                   "The shape before the last pose, whatever has moved it"},
+                  "Back to",
+                  "<b>The shape before the last pose</b> (0): one step back; if the layer has that shape already, one "
+                  "more. 'Apply' in the tool 'FCD: Bend' and 'Keep the present shape' end a step.<br><b>The shape as "
+                  "loaded</b> (1): the shape before the first pose.<br><b>The shape before the last pose, whatever has "
+                  "moved it</b> (2): also undoes how another filter has moved vertices since (smoothed them, say). New "
+                  "vertices or other faces are an error.");
     fields.field("keep_shape", param.keepShape, Shown::Always, "Keep the present shape",
-                 "Ticked, the layer stays as it is, and later poses begin from this shape.");
+                 "Changes nothing now; later poses begin from the present shape.");
 }
 
 void ask(Fields &fields, SaveDeformationParam &param) {
@@ -138,7 +138,7 @@ void ask(Fields &fields, SaveDeformationParam &param) {
             "accuracy", param.accuracy, Shown::Always, "Accuracy",
             "How far a vertex of the source may be off, in world units. A tenth of it takes about five times as many "
             "samples, of some 115 bytes each, up to a million. The log tells size and time. <b>0</b> (the default): a "
-            "fiftieth of the largest motion, at most 0.01 percent of the diagonal of what moves.");
+            "fiftieth of the largest motion, at most 0.01 percent of the diagonal of the part that moves.");
         fields.field("inverse", param.inverse, Shown::Always, "Inverse",
                      "Writes the way back, from the deformed shape to the original. It carries landmarks and "
                      "measurements onto the original. Folds have no way back; the log counts their vertices.");
@@ -203,8 +203,8 @@ void ask(Fields &fields, SequenceParam &param) {
     fields.field("frames_per_second", param.rate, Shown::Always, "Frames per second",
                  "The rate of frames in files, and in layers where each frame is one.");
     fields.choice("frame_layers", param.layers, Shown::Always, {"None", "Each key frame", "Each frame"}, "New layers",
-                  "What becomes a new layer, with all that the layer carries. A layer of a million vertices takes some "
-                  "hundred MB.");
+                  "Which frames become new layers, with all that the layer carries. A layer of a million vertices "
+                  "takes some hundred MB.");
     fields.saveFile("gltf_file", param.gltfFile, Shown::Always, "*.glb", "Write animation to (.glb)",
                     "glTF 2.0 with morph targets (shape keys) and their animation, for Blender and web pages, with the "
                     "layer's colours and textures. World coordinates; single precision. An existing file is replaced. "
@@ -212,7 +212,7 @@ void ask(Fields &fields, SequenceParam &param) {
     fields.choice("gltf_shapes", param.shapes, Shown::Always, {"Each frame", "Each pose"}, "Morph targets",
                   "<i>Each frame</i>: one for each frame; the animation is exact, and the file large. <i>Each "
                   "pose</i>: one for each pose, by its name, to mix by hand. Mixed poses move in straight lines, so "
-                  "what turns shrinks; the log says by how much.");
+                  "turning parts shrink; the log says by how much.");
     if (host::scriptsMayLackParameters)
         fields.field(
             "all_visible", param.allVisible, Shown::Always, "All visible layers",
@@ -251,7 +251,7 @@ void ask(Fields &fields, SaveSessionParam &param) {
 
 void ask(Fields &fields, LoadSessionParam &param) {
     fields.openFile("session_file", param.file, Shown::Always, {"*.fcd"}, "Session (.fcd)",
-                    "A file of 'FCD: Save Session' for this very layer.");
+                    "A file of 'FCD: Save Session' for this layer.");
     if (fields.areRead() && param.file.isEmpty())
         throw vcg::fcd::Error("session_file is empty. Give the .fcd file with the session.");
 }

@@ -54,11 +54,11 @@ std::string describe(const MeshModel &layer, const TagTarget &target) {
     const bool quality = target.attribute.isEmpty();
     if (!target.colorize && !quality)
         return {};
-    return "A file of " + inQuotes(layer) + " that is saved now has the tags as " +
+    return "Save " + inQuotes(layer) + " now, and the file has the tags as " +
            (target.colorize && quality ? "colours and quality"
             : quality                  ? "quality"
                                        : "colours") +
-           ", in the place of its own: 'FCD: Clear Tags' brings these back.";
+           " instead of its own: 'FCD: Clear Tags' brings these back.";
 }
 
 /// A warning about flipped triangles of a pose.
@@ -81,9 +81,8 @@ std::vector<std::string> describe(const DeformedLayers &made, const DeformMeshPa
             (param.deformation.looseParts == vcg::fcd::LooseParts::Follow ? "following the nearest held part."
                                                                           : "staying in place."));
     if (made.isOwnGraph)
-        remarks.push_back(
-            inQuotes(*param.graphLayer) +
-            " is the graph that these parameters make here: used with the patches that it was made with.");
+        remarks.push_back(inQuotes(*param.graphLayer) +
+                          " is the graph that these parameters make here, so its own patches are used.");
     else if (param.useGraphLayer)
         remarks.push_back(std::to_string(result.placedNodes) + " of the " + std::to_string(made.givenNodes) +
                           " nodes of " + inQuotes(*param.graphLayer) + " lie on the surface" +
@@ -103,34 +102,31 @@ double valueOfDiscretisation(double error) { return std::isfinite(error) ? error
 std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, const vcg::fcd::SurfaceReport &surface) {
     std::vector<std::string> warnings;
     if (check.rigid)
-        warnings.emplace_back("Nothing is fixed beside the free surface, so it moves rigidly with the handles. Mark "
-                              "what stays as fixed (tag 0), beside what is free.");
+        warnings.emplace_back("Nothing is fixed beside the free surface, so it moves rigidly with the handles. Mark as "
+                              "fixed (tag 0) what has to stay, beside the free surface.");
     if (IsInLines(surface))
-        warnings.push_back(std::to_string(surface.oneSided) +
-                           " points have neighbours on their own scan line alone, so the lines are hardly connected. "
-                           "If this is a surface, first thin out the points along the lines, as with 'Point Cloud "
-                           "Simplification'.");
+        warnings.push_back(
+            std::to_string(surface.oneSided) +
+            " points have neighbours only on their own scan line, so the lines are hardly connected. If this is a "
+            "surface, first thin out the points along the lines, as with 'Point Cloud Simplification'.");
     if (surface.gaps > 3)
-        warnings.push_back(
-            std::to_string(surface.gaps) +
-            " vertices on open borders lie closer to another border than a tenth of their edges, and "
-            "nothing joins the two: such a slit may open. To close it, use 'Merge Close Vertices' first" +
-            (host::scriptsMayLackParameters ? ", or raise weld_distance." : "."));
+        warnings.push_back(std::to_string(surface.gaps) +
+                           " vertices on open borders nearly touch another border (within a tenth of their edges): "
+                           "such a slit may open. To close it, use 'Merge Close Vertices' first" +
+                           (host::scriptsMayLackParameters ? ", or raise weld_distance." : "."));
     if (surface.unenclosed > 0)
-        warnings.push_back(
-            counted(std::size_t(surface.unenclosed), "part of what bends encloses", "parts of what bends enclose") +
-            " no volume that 'elastic' could keep: a cloud, or a surface that is open where it is free. It bends as "
-            "without 'elastic'.");
+        warnings.push_back(counted(std::size_t(surface.unenclosed), "free part encloses", "free parts enclose") +
+                           " no volume that 'elastic' could keep: a cloud, or a surface with open borders in its free "
+                           "part. It bends as without 'elastic'.");
     if (check.volumeOff > check.volumeIsSeen)
-        warnings.push_back("The volume of what bends is off by " +
+        warnings.push_back("The volume of the free surface is off by " +
                            std::to_string(int(std::lround(100 * check.volumeOff))) +
                            " percent: 'elastic' makes a limb at most twice or half as thick. Move the handles less, or "
                            "leave more of the surface free.");
     if (check.overruled > 0)
-        warnings.push_back(
-            counted(std::size_t(check.overruled), "handle vertex is", "handle vertices are") +
-            " at the same place as a fixed vertex, or one of a handle with a smaller number, and held as "
-            "that one. Give all vertices at a place the same tag.");
+        warnings.push_back(counted(std::size_t(check.overruled), "handle vertex is", "handle vertices are") +
+                           " at the place of a fixed vertex, or of one with a smaller tag, which counts. Give all "
+                           "vertices at a place the same tag.");
     if (check.strained > 0) {
         std::ostringstream line;
         line << counted(std::size_t(check.strained), "edge joins", "edges join")
@@ -278,13 +274,12 @@ std::vector<std::string> warningsOf(const SavedDeformation &saved) {
     if (const vcg::fcd::Index off = saved.field.off + saved.field.stirred; off > 0) {
         std::ostringstream line;
         line << off << " vertices of the source are farther off than " << saved.field.accuracy
-             << ": parts that lie at one place move differently there, or a million samples are not enough. If that "
-                "matters, use the graph layers.";
+             << ": parts at one place move differently there, or a million samples are not enough. If that matters, "
+                "use the graph layers.";
         warnings.push_back(line.str());
     }
     if (saved.folded > 0)
         warnings.push_back("The deformation folds the source at " + std::to_string(saved.folded) +
-                           " of its vertices: from there it has no way back, and what is near them may come to "
-                           "another place.");
+                           " of its vertices: these have no way back, and points near them may come to another place.");
     return warnings;
 }

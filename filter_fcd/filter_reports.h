@@ -35,7 +35,7 @@ std::vector<std::string> describe(const DeformedLayers &made, const DeformMeshPa
 
 HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::PoseWay &way);
 
-/// An error, as of Deformer::DiscretisationError, for scripts, which get finite values only: -1 if it is unknown.
+/// An error, as in Deformer::DiscretisationError, for scripts, which get finite values only: -1 if it is unknown.
 double valueOfDiscretisation(double error);
 
 /// How well a layer fits; besides valuesOf its result.

@@ -44,8 +44,8 @@ void askLargestDistance(Fields &fields, double &distance, const QString &help) {
 void askLandmarkTolerance(Fields &fields, vcg::fcd::FitParam &fit) {
     fields.field("landmark_tolerance", fit.landmarkTolerance, Shown::Advanced, "Landmark tolerance",
                  "How far a landmark may stay from where it belongs, in world units. <b>0</b> (the default): it is "
-                 "exact. <b>Raise it</b> to the error of measured or picked points. Pairs that the others contradict, "
-                 "such as two that are mixed up, are then left out. The log names them in any case.");
+                 "exact. <b>Raise it</b> to the error of measured or picked points. The fit then leaves out pairs that "
+                 "the others contradict, such as two that are mixed up. The log names them in any case.");
 }
 
 void askSamples(Fields &fields, int &samples, const QString &help) {
@@ -58,7 +58,7 @@ void askSampling(Fields &fields, vcg::fcd::FitParam &fit) {
     askSmoothness(fields, fit.smoothness);
     askRandomSeed(fields, fit.graph);
     askSamples(fields, fit.samples,
-               "How many places of the surface are matched, evenly spread. <b>Raise it</b> where there are many "
+               "How many places of the surface the fit matches, evenly spread. <b>Raise it</b> where there are many "
                "patches; it takes longer.");
     fields.field("fit_steps", fit.fitSteps, Shown::Advanced, "Steps",
                  "The most steps from stiff to soft; the less the surface moves, the fewer it takes. <b>Raise it</b> "
@@ -74,7 +74,7 @@ void askCurvesAndChecks(Fields &fields, FitMeshParam &param) {
             "tooth's margin. A table with a first row <i>curve, surface, x, y, z</i> and a row for each corner of a "
             "line: the name of the curve, <i>source</i> (the current layer) or <i>target</i>, and the place, in world "
             "coordinates, in order along the line. A line is closed if its last corner is its first. The vertices "
-            "along the source's line are drawn to the target's line. <b>Empty</b> (the default): none.");
+            "along the source's line slide along the target's line. <b>Empty</b> (the default): none.");
     if (!fields.hasNewer("check_file"))
         return;
     fields.openFile("check_file", param.checkFile, Shown::Advanced, {"*.csv", "*.pp"}, "Check pairs (.csv, .pp)",
@@ -95,12 +95,12 @@ void askWeights(Fields &fields, FitMeshParam &param) {
         return;
     askWeightSource(
         fields, "weights", param.weights, "Weights from",
-        "How much each vertex of the current layer counts, from 0 to 1. What has 0 is not matched and is <b>carried "
-        "along</b>, such as the gum of a dental scan. <b>All counts</b> (the default), the <b>vertex quality</b>, the "
+        "How much each vertex of the current layer counts, from 0 to 1. Vertices of weight 0 are not matched and go "
+        "along, such as the gum of a dental scan. <b>All counts</b> (the default), the <b>vertex quality</b>, the "
         "<b>selection</b>, or an <b>attribute</b>. Quality or selection are then not read as handles. A separate part "
-        "without a counterpart is carried in any case, by the parts around it: an eyeball by its head.");
+        "without a counterpart goes along in any case, with the parts around it: an eyeball with its head.");
     askWeightSource(fields, "target_weights", param.targetWeights, "Target weights from",
-                    "The same for the target's vertices: what has 0 is ignored.");
+                    "The same for the target: the fit ignores vertices of weight 0.");
     askWeightAttribute(fields, param.weightAttribute,
                        "Name of the scalar attribute per vertex, on either layer, with weights from 0 to 1.");
 }
@@ -127,37 +127,37 @@ void ask(Fields &fields, FitMeshParam &param) {
     fields.field(
         "landmarks_only", param.landmarksOnly, Shown::Advanced, "Landmarks only",
         "The surface follows the landmarks, as rigidly as 'rigidity' says. Nothing else of the target counts.");
-    fields.choice(
-        "start", fit.start, Shown::Always,
-        {"As they lie", "Rigid, from landmarks", "Rigid and scaled, from landmarks", "Axes tried out"}, "Start",
-        "How the current layer is first moved onto the target, if it does not lie there: by <b>landmarks</b> (at least "
-        "three that are not on a line), or principal <b>axes</b> onto principal axes, in the best of 24 ways. Needs a "
-        "layer without fixed vertices and handles. Without landmarks, and where the layers do not overlap, <b>As they "
-        "lie</b> begins at the target's middle; the log says so. If the layer comes out strained, it is "
-        "tried turned by its axes, and scaled, and the log says which.");
+    fields.choice("start", fit.start, Shown::Always,
+                  {"As they lie", "Rigid, from landmarks", "Rigid and scaled, from landmarks", "Axes tried out"},
+                  "Start",
+                  "How the fit first moves the layer onto the target, if it does not lie there: by <b>landmarks</b> "
+                  "(at least three that are not on a line), or principal <b>axes</b> onto principal axes, in the best "
+                  "of 24 ways. Needs a layer without fixed vertices and handles. <b>As they lie</b> (the default) "
+                  "moves nothing, or, if the layers do not overlap and there are no landmarks, begins at the target's "
+                  "middle. If that strains the layer, the fit tries to turn and scale it. The log says what it did.");
     askStiffness(fields, fit);
     if (fields.hasNewer("rigidity"))
         fields.field("rigidity", fit.fitRigidity, Shown::Advanced, rigidityText());
     askLargestDistance(fields, fit.largestDistance,
-                       "What is farther from the target, in world units, has no counterpart and is carried along. "
-                       "<b>0</b> (the default): no limit; the distances tell what is too far. <b>Lower it</b> where "
-                       "the target lacks parts that something else lies near to.");
+                       "Parts farther than this from the target, in world units, have no counterpart and go along. "
+                       "<b>0</b> (the default): no limit; the distances tell what is too far. <b>Lower it</b> if the "
+                       "target lacks a part and something else lies near its place.");
     fields.field("largest_angle", fit.largestAngle, Shown::Advanced, "Largest angle (degrees)",
-                 "A place of the target whose normal differs by more is no counterpart. That keeps the two sides of "
-                 "something thin apart. <b>180</b>: normals do not count.");
-    fields.field(
-        "both_ways", fit.bothWays, Shown::Advanced, "Match both ways",
-        "Places of the target that nothing lies near draw what is nearest. So thin and long parts of the target are "
-        "reached. <b>Off</b> (the default): tried if parts of the target are left, and kept if it reaches them and "
-        "matches more of the layer. Leave it off if the target has parts that the layer lacks.");
+                 "A place of the target is no counterpart if its normal differs by more. That keeps the two sides of "
+                 "thin parts apart. <b>180</b>: normals do not count.");
+    fields.field("both_ways", fit.bothWays, Shown::Advanced, "Match both ways",
+                 "Places of the target with nothing near them draw the nearest surface. So the fit reaches thin and "
+                 "long parts of the target. <b>Off</b> (the default): the fit tries this only if parts of the target "
+                 "are left, and keeps it if it reaches them and matches more of the layer. Leave it off if the target "
+                 "has parts that the layer lacks.");
     askWeights(fields, param);
     askSampling(fields, fit);
     askGraphLayers(fields, param.graphLayers);
-    fields.choice("fit_quality", param.quality, Shown::Always, {"As the input", "Distance to the target", "Matched"},
-                  "Result quality",
-                  "The vertex quality of the result, to colour, select or save: that of the input, the <b>distance</b> "
-                  "to the target in world units, or <b>matched</b>: 1 where it lies on the target, 0 where it has no "
-                  "counterpart and was carried along.");
+    fields.choice(
+        "fit_quality", param.quality, Shown::Always, {"As the input", "Distance to the target", "Matched"},
+        "Result quality",
+        "The vertex quality of the result, to colour, select or save: that of the input, the <b>distance</b> to the "
+        "target in world units, or <b>matched</b>: 1 where it lies on the target, 0 where it has no counterpart.");
     askHandles(fields, param.handles, Shown::Advanced);
     param.handles.mayLack = true;
     if (fields.areRead())
@@ -181,31 +181,31 @@ void ask(Fields &fields, SymmetrizeParam &param) {
                     "Points of the surface that belong on the plane of symmetry: MeshLab's picked points (.pp), or a "
                     "list with <i>x, y, z</i> in each line. World coordinates. <b>Empty</b> (the default): none.");
     fields.position("plane_point", param.planePoint, Shown::Always, "A point on the plane",
-                    "A point on the plane of symmetry, in world coordinates. Only read if its normal is given.");
+                    "A point on the plane of symmetry, in world coordinates. Only read if you give its normal.");
     fields.direction(
         "plane_normal", param.planeNormal, Shown::Always, "Normal of the plane",
         "Normal of the plane of symmetry, of any length. <b>0 0 0</b> (the default): the plane follows from the pairs "
-        "and the midline, or else is the one in which the surface is most like its mirror image.");
+        "and the midline; without these, it is the one in which the surface is most like its mirror image.");
     askWeightSource(fields, "weights", param.weights, "Weights from",
-                    "How much each vertex counts, from 0 to 1. What has 0 is not matched and is <b>carried along</b>, "
-                    "such as a growth on one side. <b>All counts</b> (the default), the <b>vertex quality</b>, what is "
-                    "<b>selected</b>, or an <b>attribute</b>.");
+                    "How much each vertex counts, from 0 to 1. Vertices of weight 0 are not matched and go along, such "
+                    "as a growth on one side. <b>All counts</b> (the default), the <b>vertex quality</b>, the "
+                    "<b>selection</b>, or an <b>attribute</b>.");
     askWeightAttribute(fields, param.weightAttribute,
                        "Name of the scalar attribute per vertex with weights from 0 to 1.");
     fields.field("mirror_missing", param.mirrorMissing, Shown::Always, "Mirror what is missing",
-                 "Also adds a layer with the mirror images of what has no counterpart on the other side: the good side "
-                 "over a missing one, to be joined with the result.");
+                 "Also adds a layer with the mirror image of all parts that have no counterpart on the other side. "
+                 "Join it with the result to fill what is missing.");
     askStiffness(fields, fit);
     askLargestDistance(fields, fit.largestDistance,
-                       "What is farther than this from the mirror image, in world units, has no counterpart there and "
-                       "is carried along. <b>0</b> (the default): no limit.");
+                       "Parts farther than this from the mirror image, in world units, have no counterpart there and "
+                       "go along. <b>0</b> (the default): no limit.");
     askLandmarkTolerance(fields, fit);
     askSampling(fields, fit);
     askGraphLayers(fields, param.graphLayers);
     fields.choice("symmetrized_quality", param.quality, Shown::Always,
                   {"As the input", "Asymmetry", "Way moved", "Matched"}, "Result quality",
                   "The vertex quality of the result, to colour, select or save. <b>Asymmetry</b>: how far the vertex "
-                  "was from the mirror image of its counterpart. <b>Way moved</b>: how far it was moved. Both in world "
+                  "was from the mirror image of its counterpart. <b>Way moved</b>: how far it moved. Both in world "
                   "units. <b>Matched</b>: 1 where it has a counterpart on the other side, else 0.");
     if (fields.areRead())
         fit.ValidateFit();
@@ -219,10 +219,11 @@ void ask(Fields &fields, CompensateLayerParam &param) {
                  "Degree of the polynomial: <b>1</b> is shrinkage and shear. <b>Raise it</b> for finer warps; <b>lower "
                  "it</b> where little is scanned, or the log says that the warp cannot be turned round.");
     askLargestDistance(fields, param.compensation.largestDistance,
-                       "What is farther than this from the scan, in world units, counts as not scanned. <b>0</b> (the "
-                       "default): no limit. <b>Lower it</b> where the scan has more than the part, such as a table.");
-    askSamples(fields, param.compensation.samples,
-               "How many places of the nominal part are matched, evenly spread. <b>Raise it</b> for a noisy scan.");
+                       "Parts farther than this from the scan, in world units, count as not scanned. <b>0</b> (the "
+                       "default): no limit. <b>Lower it</b> if the scan has more than the part, such as a table.");
+    askSamples(
+        fields, param.compensation.samples,
+        "How many places of the nominal part the filter matches, evenly spread. <b>Raise it</b> for a noisy scan.");
     fields.choice("compensated_quality", param.quality, Shown::Always, {"As the input", "Change"}, "Result quality",
                   "The vertex quality of the result, to colour, select or save: that of the input, or the "
                   "<b>change</b>: how far it is from the nominal part, in world units.");

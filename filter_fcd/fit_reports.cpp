@@ -40,19 +40,19 @@ std::string describe(const FittedLayers &made) {
         line << " That came from " << report.moved << " away (median; at most " << report.movedMost << ").";
     if (report.guessed > 0 && !made.landmarksOnly)
         line << " " << 100 * report.guessed
-             << " percent are guessed, as they have no counterpart, and may be off by about " << report.guessError
+             << " percent have no counterpart; their place is a guess that may be off by about " << report.guessError
              << ".";
-    tell(made.check, "Pairs that were kept back to check by are off", line);
+    tell(made.check, "Pairs that were kept back are off", line);
     tell(made.leftOut, "Landmarks that are left out in turn are off", line);
     if (report.counted < 1)
-        line << " That is of the " << 100 * report.counted << " percent that count; the rest was carried along.";
+        line << " That is of the " << 100 * report.counted << " percent that count; the rest went along.";
     if (report.carried > 0)
         line << " "
              << counted(report.carried, "separate part without a counterpart was",
                         "separate parts without a counterpart were")
              << " carried by the parts around.";
     if (report.bothWays)
-        line << " Parts of the target drew what is nearest to them, too.";
+        line << " Parts of the target also drew the nearest surface.";
     if (report.notFinite > 0)
         line << " " << report.notFinite << " vertices of the target are not finite and were left out.";
     if (report.insideOut)
@@ -107,13 +107,14 @@ std::vector<std::string> warningsOf(const FittedLayers &made) {
     if (report.matched < 0.3 && !made.landmarksOnly) { // most of the shape is a guess
         std::ostringstream line;
         line << "Only " << 100 * report.matched
-             << " percent of the surface have a counterpart: do not trust the rest. Lay the layers onto each other "
+             << " percent of the surface have a counterpart: do not trust the rest. Move the layers onto each other "
                 "first, give landmarks, or raise largest_distance or largest_angle.";
         warnings.push_back(line.str());
     }
     if (report.guessed > 0.05 && report.guessError > 0.01 * made.diagonal) { // 1 %: a hand misses by less
         std::ostringstream line;
-        line << 100 * report.guessed << " percent of the surface are guessed, as they have no counterpart, and may be "
+        line << 100 * report.guessed
+             << " percent of the surface have no counterpart: their place is a guess that may be "
              << "off by about " << report.guessError << ": give landmarks there, or do not trust them.";
         warnings.push_back(line.str());
     }

@@ -242,7 +242,7 @@ std::string describeSpace(const MeshModel &target, const Eigen::AlignedBox3d &he
     text << "The layer " << inQuotes(target) << " is " << size << " across and the source " << sourceSize;
     if (isFar)
         text << ", and they are " << gap << " apart";
-    text << ": far from the source, what it does means nothing. Bring the layer to the same place and units first.";
+    text << ": a deformation means nothing so far from its source. Bring the layer to the same place and units first.";
     return text.str();
 }
 

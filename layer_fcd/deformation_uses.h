@@ -66,7 +66,7 @@ class CarryingSurface {
 
     /// Finds the place of a vertex: the surface's vertex at the same position (that of the same slot, as in a copy, or
     /// else the one with the nearest normal), or the nearest place. It is the same for all poses.
-    /// \param n of the vertex in \p vertices \param sides as of sidesTold \param hint of a vertex nearby
+    /// \param n of the vertex in \p vertices \param sides as in sidesTold \param hint of a vertex nearby
     vcg::fcd::SurfacePlace operator()(const CarriedVertices &vertices, std::size_t n, int sides,
                                       vcg::fcd::NearestPlace::Hint &hint) const;
 

@@ -135,7 +135,7 @@ void tellNewFixed(const MeshModel &layer, const std::vector<int> &tag, const Rem
     if (const auto count = sumOfVertices(layer.cm, [&](std::size_t i) { return isNew(i) && tag[i] == 0; }))
         remark(counted(count, "vertex is", "vertices are") + " new since " + inQuotes(layer) +
                (isTagged ? " was tagged" : " was made") +
-               ", and fixed, since the quality there is 0. Where that is wrong, tag them: 1 is free.");
+               ", and fixed, since their quality is 0. If that is wrong, tag them: 1 is free.");
 }
 
 /// The motion of the handles of \p layer by the parameters of the dialog.
@@ -325,6 +325,6 @@ bool readMotions(const MeshDocument &document, const MeshModel &layer, const Poi
     for (const vcg::fcd::PointHandle &point : handles.point)
         moves = moves || point.target != toVector(rest ? rest[point.vertex] : mesh.vert[point.vertex].cP());
     if (!moves && !(centers.empty() && handles.point.empty()))
-        remark("No handle moves: nothing that was given leads them away from where they are.");
+        remark("No handle moves: all motions lead to where the handles are already. Give other motions.");
     return moves;
 }

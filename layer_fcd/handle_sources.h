@@ -27,7 +27,7 @@ std::map<int, std::vector<vcg::fcd::MotionStep>> readMotionSteps(const MeshDocum
                                                                  const QString &text);
 
 /// Sets the motions of \p handles, world units. The text goes before the file, and the file before the dialog.
-/// \param centers of the handles, mesh units \param rest as of readHandles \return whether any handle moves
+/// \param centers of the handles, mesh units \param rest as in readHandles \return whether any handle moves
 /// \throw vcg::fcd::Error the motions cannot be read
 bool readMotions(const MeshDocument &document, const MeshModel &layer, const Point3m *rest, const HandleParam &param,
                  const std::map<vcg::fcd::Index, Eigen::Vector3d> &centers, const Remark &remark,

@@ -32,7 +32,7 @@ static std::vector<std::size_t> copiedSlots(const CMeshO &mesh, const RestState 
     return from;
 }
 
-/// The part of \p shape for copies. \param from slot of each copy's original \param matrix as of copiedSlots
+/// The part of \p shape for copies. \param from slot of each copy's original \param matrix as in copiedSlots
 static Shape copyOf(const Shape &shape, const std::vector<std::size_t> &from, const Matrix44m *matrix) {
     Shape copy;
     Eigen::Matrix4d move = Eigen::Matrix4d::Identity();

@@ -12,13 +12,14 @@
 /// and quality of tags. Rest shapes, and the colours and quality before tagging, come from the states of the original
 /// layers.
 
-/// The rest shapes of \p layer, if its vertices are copies of another layer's, in their order there, and where the last
-/// pose left them, in the coordinates of that layer or, since hosts merge layers there, in the world. None otherwise,
-/// or if no shape differs from the present one. \param others the states of other layers
+/// The rest shapes that \p layer gets from another layer. Its vertices must be copies of that layer's, in the same
+/// order and where the last pose left them, in that layer's coordinates or in the world's (hosts merge layers there).
+/// None otherwise, or if no shape differs from the present one. \param others the states of other layers
 std::optional<RestState> inheritedRest(const MeshModel &layer, const std::vector<const LayerState *> &others);
 
-/// What is kept aside for those vertices of \p layer that have positions, and colours or quality of the tags, of other
-/// layers' vertices; none if there are none. \param sources the states of other layers
+/// The colours and quality kept aside for vertices of \p layer that are copies from other layers: with their positions,
+/// and with the colours or quality of the tags. None if there are no such vertices. \param sources the states of other
+/// layers
 std::optional<KeptScan> inheritedScan(const MeshModel &layer, const std::vector<const LayerState *> &sources);
 
 /// Gives a copy what its original has of both, unless it has its own.

@@ -13,11 +13,11 @@
 #include <vector>
 
 /// \file
-/// Colours and quality of a layer, kept aside while tags replace them. They are kept vertex by vertex, so
-/// vertices that were coloured, or made, by something else since are recognised.
+/// Colours and quality of a layer, kept aside while tags replace them. They are kept for each vertex. So vertices that
+/// something else has coloured or made since are recognised.
 
-/// Keeps aside what tags are going to replace: colours if \p color, quality if \p quality. What earlier tags replaced
-/// stays kept; the colours and quality of these tags are not.
+/// Call it before tags replace colours (\p color) or quality (\p quality): keeps these aside. If earlier tags have
+/// replaced them already, the older ones stay kept.
 void keepAside(const MeshDocument &document, MeshModel &layer, bool color, bool quality);
 
 /// Call it after each keepAside(): remembers the new tags of \p layer. \param tag one per vertex slot
@@ -30,9 +30,9 @@ struct BroughtBack {
     int placed = 0; ///< new vertices, which got what was at their position
 };
 
-/// Drops the marks of \p layer, and restores the colours and quality that are kept aside, or that there were none.
-/// Vertices that something else has coloured since keep what they have, and so do new vertices, unless they lie on the
-/// surface that was tagged. \throw vcg::fcd::Error nothing is kept
+/// Drops the marks of \p layer, and restores its colours and quality, or its lack of these. Vertices that something
+/// else has coloured since keep their colours. So do new vertices, unless they lie on the surface that was tagged.
+/// \throw vcg::fcd::Error nothing is kept
 BroughtBack bringBack(const MeshDocument &document, MeshModel &layer);
 
 /// Gives \p copy, of the live vertices of \p layer, the colours and quality that are kept aside for \p layer. If there

@@ -122,7 +122,7 @@ SourceThen sourceThen(MeshModel &source, const Deformation &deformation, const R
     const bool isThere = hasShape(source, deformation);
     if (!isThere && remark)
         remark("Something else has moved " + inQuotes(source) +
-               " since it was deformed. The deformation is that of the shape and the place that it had then.");
+               " since it was deformed. The deformation is that of its shape and place then.");
     SourceThen then{positionsOf(source), isThere ? invertibleMatrixOf(source) : deformation.matrix};
     for (std::size_t i = 0; i < std::min(source.cm.vert.size(), deformation.rest.size()); ++i)
         then.position.col(Eigen::Index(i)) = toVector(deformation.rest[i]);

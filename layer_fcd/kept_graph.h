@@ -54,7 +54,7 @@ void keepDeformation(const MeshDocument &document, MeshModel &graph, const MeshM
 const Deformation &deformationOf(const DeformationLayers &layers, bool evenIfMoved = false);
 
 /// The source of a deformation as it was then, or, if it has that shape, where it is now. \param remark is told if
-/// something has moved it since \param deformation as of deformationOf
+/// something has moved it since \param deformation as in deformationOf
 SourceThen sourceThen(MeshModel &source, const Deformation &deformation, const Remark &remark);
 
 /// The layers of the last deformation that is kept and has all of its layers.

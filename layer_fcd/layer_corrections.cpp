@@ -182,13 +182,11 @@ std::vector<std::string> warningsOf(const SymmetrizedLayers &made) {
     const vcg::fcd::SymmetryReport &report = made.report;
     std::vector<std::string> warnings;
     if (!report.isSure)
-        warnings.emplace_back(
-            "The surface is nearly as much like its mirror image in another plane: look at the plane, "
-            "and give pairs, a midline or the plane itself where it is the wrong one.");
+        warnings.emplace_back("The surface is nearly as much like its mirror image in another plane. Look at the "
+                              "plane; if it is wrong, give pairs, a midline or the plane itself.");
     if (made.after > made.before + 1e-6 * made.diagonal) // more than rounding
-        warnings.emplace_back(
-            "The result is farther from its mirror image than the surface was: the plane is hardly the "
-            "right one. Give pairs, a midline or another plane.");
+        warnings.emplace_back("The result is farther from its mirror image than the surface was: the plane is probably "
+                              "wrong. Give pairs, a midline or another plane.");
     std::ostringstream share;
     if (report.fit.matched < 0.3) // most of the shape is a guess
         share << "Only " << 100 * report.fit.matched
@@ -196,8 +194,8 @@ std::vector<std::string> warningsOf(const SymmetrizedLayers &made) {
                  "midline.";
     else if (report.fit.guessed > 0.05 && report.fit.guessError > 0.01 * made.diagonal) // 1 %: a hand misses by less
         share << 100 * report.fit.guessed
-              << " percent of the surface have no counterpart on the other side, were carried along, and may be off by "
-                 "about "
+              << " percent of the surface have no counterpart on the other side: their place is a guess that may be "
+                 "off by about "
               << report.fit.guessError << ".";
     if (!share.str().empty())
         warnings.push_back(share.str());
@@ -213,7 +211,7 @@ std::vector<std::string> warningsOf(const SymmetrizedLayers &made) {
         warnings.push_back(trianglesFlipped(std::size_t(made.result.check.flipped)) +
                            ": the surface is folded there. Give pairs, or raise stiffness.");
     if (!made.result.converged)
-        warnings.emplace_back("The fit onto the mirror image did not come to rest: raise fit_steps.");
+        warnings.emplace_back("The fit onto the mirror image did not converge: raise fit_steps.");
     return warnings;
 }
 

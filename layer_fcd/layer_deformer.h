@@ -26,7 +26,7 @@ struct DeformedLayers {
 struct PoseResult {
     int nodes = 0, iterations = 0;
     bool converged = false;
-    double discretisationError = 0; ///< as of Deformer::DiscretisationError
+    double discretisationError = 0; ///< as in Deformer::DiscretisationError
     vcg::fcd::PoseWay way;
     vcg::fcd::TagCount tags;
     vcg::fcd::SurfaceContact contact; ///< if it was asked for

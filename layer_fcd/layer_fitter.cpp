@@ -55,13 +55,13 @@ LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam 
     }
     if (remark && !param.handles.allFree && param.handles.source == HandleParam::Quality && hasQuality(layer) &&
         !mayHaveTags(layer))
-        remark("The quality of " + name + " is no tags, so nothing of it is held.");
+        remark("The quality of " + name + " is a measure, not tags, so nothing is held.");
     handles = readHandles(layer, rest, param.handles, remark);
     landmarks = readLandmarks(layer, rest, handles, param.landmarkFile, param.targetFile, remark);
     landmarks.insert(landmarks.end(), param.landmarks.begin(), param.landmarks.end());
     checks = readLandmarks(layer, rest, handles, param.checkFile, param.checkTargetFile, remark);
     if (param.landmarksOnly && landmarks.empty())
-        throw Error("There are no landmarks that the surface could follow. Give a file with some as 'landmarks_file'.");
+        throw Error("There are no landmarks to follow. Give a file with some as 'landmarks_file'.");
     if (!param.curveFile.isEmpty() && param.landmarksOnly)
         throw Error("Curves do not go with 'landmarks_only', which ignores all else of the target. Leave one of "
                     "'curves_file' and 'landmarks_only' out.");
@@ -123,7 +123,7 @@ FittedSurface LayerFit::solve(bool measured, const Progress &progress) && {
     }
     if (!param.landmarksOnly && fitted.report.matched == 0)
         throw Error("Nothing of " + name + " has a counterpart on " + targetName +
-                    ". Lay the layers onto each other first, or raise largest_distance or largest_angle.");
+                    ". Move the layers onto each other first, or raise largest_distance or largest_angle.");
     if (!measured)
         target = nullptr; // frees as much memory as the rest needs
     result.converged = fitted.report.converged;

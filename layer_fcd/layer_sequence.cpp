@@ -100,7 +100,7 @@ static std::vector<Companion> companionsOf(const MeshDocument &document, const M
             targets.push_back(each);
     }
     if (targets.empty())
-        throw Error("No other layer is visible. Show those that are to go along, or leave all_visible unticked.");
+        throw Error("No other layer is visible. Show the layers that should go along, or untick all_visible.");
     const auto surface = std::make_shared<const CarryingSurface>(layer, std::move(rest));
     const Eigen::AlignedBox3d box = boxOf(surface->position, surface->matrix, &layer.cm);
     std::vector<Companion> companions;
@@ -178,8 +178,8 @@ SequenceLayers makeSequence(MeshDocument &document, MeshModel &layer, PreparedLa
     std::optional<AtRest> atRest;
     if (poses.sequence.surface && !poses.sequence.surface->IsSame(SurfaceMark::Of(surface.View(), world)) &&
         RestShape::exists(layer)) {
-        RestShape(layer).checkVertices("The poses are of another shape. Run 'FCD: Reset Pose' (apply_coord_fcd_reset) "
-                                       "with to=2 first, which undoes that.",
+        RestShape(layer).checkVertices("The poses are of the shape before. To go back to it, run 'FCD: Reset Pose' "
+                                       "(apply_coord_fcd_reset) with to=2 first.",
                                        remark);
         atRest.emplace(layer);
         surface = vcg::tri::ReadSurface(layer.cm, progress.Slice(0.01, 0.02));

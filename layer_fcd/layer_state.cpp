@@ -18,8 +18,8 @@ static_assert(std::is_trivial<PosedVertex>::value, "zero for new vertices");
 
 namespace {
 
-/// A type whose name changes with the layout of a state and all that it holds, so that only a library with the same
-/// layout finds it. If you change a layout and no size below changes, increase the first number.
+/// The name of this type changes with the layout of a state and its parts. So a library finds a state only if both have
+/// the same layout. If you change a layout and no size below changes, increase the first number.
 template <std::size_t...>
 struct Layout {};
 using StateLayout =
@@ -33,9 +33,9 @@ using StateLayout =
 #endif
            >;
 
-/// The attribute by which a mesh tells its state where vertices go. It has no memory, since the host does not free
-/// attributes of a mesh that is deleted; and no name, since filters of the host take the first attribute with a name
-/// for one with values.
+/// The mesh tells its state through this attribute where vertices go. It has no memory, since the host does not free
+/// attributes of a deleted mesh. It has no name, since filters of the host read values from the first attribute with a
+/// name.
 template <class Layout>
 class Attribute final : public host::Follower {
   public:
@@ -76,13 +76,13 @@ const char *propertyName() { return typeid(StateAttribute).name(); }
 /// The states of a document's layers, by layer number.
 using States = std::map<int, std::shared_ptr<LayerState>>;
 
-/// The states of \p document; null: none. A property of the document points at them; the connection that tells which
-/// layers are deleted owns them.
+/// The states of \p document; null: none. A property of the document points at them. Their owner is the connection that
+/// reports deleted layers.
 States *statesOf(const MeshDocument &document) {
     return static_cast<States *>(document.property(propertyName()).value<void *>());
 }
 
-/// A list, in words, of what is kept for a layer that neither a mesh file, a project nor another layer can hold.
+/// In words: the kept parts of a layer that no mesh file, project or other layer can hold.
 std::string listOf(const LayerState &state, bool hasTool) {
     QStringList all;
     if (state.rest)
@@ -102,8 +102,8 @@ std::string listOf(const LayerState &state, bool hasTool) {
     return all.join(", ").toStdString();
 }
 
-/// A layer was deleted: other layers, such as the one that it was merged into, inherit from its state, and the log
-/// tells what is lost.
+/// A layer was deleted. Other layers inherit from its state, such as the one that it was merged into. The log tells
+/// what is lost.
 void leaveTo(MeshDocument &document, LayerState &gone) {
     try {
         if (handDownScan(document, gone))
@@ -123,7 +123,7 @@ void leaveTo(MeshDocument &document, LayerState &gone) {
     }
     const std::string lost = listOf(gone, gone.tool != nullptr);
     if (!lost.empty())
-        host::log(document, "FCD: a layer is gone, and with it what was kept of it: " + lost +
+        host::log(document, "FCD: a layer is gone, and with it these: " + lost +
                                 ". If it was merged into another layer, that one has none of this.");
 }
 

@@ -25,7 +25,7 @@ struct PosedVertex {
     bool isAt(const Point3m &p) const { return p[0] == now[0] && p[1] == now[1] && p[2] == now[2]; }
 
     std::array<Scalarm, 3> now; ///< the position that the last pose gave it
-    std::uint64_t before; ///< the position before the last pose, where a preview begins, as of RestShape::placeOf; 0:
+    std::uint64_t before; ///< the position before the last pose, where a preview begins, as in RestShape::placeOf; 0:
                           ///< unknown
 };
 
@@ -40,7 +40,7 @@ struct RestState : Shape {
     std::uint64_t faces = 0;                  ///< facesOf the mesh
     std::size_t vertexSlots = 0;              ///< of the mesh
     Matrix44m matrix = Matrix44m::Identity(); ///< of the layer when a filter last looked
-    bool ownNormals = false;                  ///< as of hasOwnNormals
+    bool ownNormals = false;                  ///< as in hasOwnNormals
     std::uint64_t normalsNow = 0;             ///< normalsOf the mesh after the last pose, if it has own normals
     std::uint64_t normalsBefore = 0;          ///< and before it, where a preview begins
     std::vector<Shape> earlier;               ///< earlier rest shapes, oldest first: that of the file
@@ -52,13 +52,13 @@ struct TaggedVertex {
     bool hasQuality() const { return tag != noTag; } ///< its quality is its tag
 
     Point3m place;          ///< its position then
-    std::uint32_t tagColor; ///< the colour of its tag, as of numberOf
+    std::uint32_t tagColor; ///< the colour of its tag, as in numberOf
     int tag;                ///< its quality since then; noTag: its quality is its own
     bool hasColor;          ///< it has the colour of its tag
 };
 
-/// Colours and quality of a layer before tags replaced them, with the positions that the vertices had then, so that new
-/// vertices on that surface get them, too (kept_aside.h).
+/// Colours and quality of a layer before tags replaced them. The positions of the vertices then are kept, too, so that
+/// new vertices on that surface get colours and quality (kept_aside.h).
 struct KeptScan {
     bool color = false, quality = false;       ///< tags replaced them: they are kept, or there were none
     bool hadColor = false, hadQuality = false; ///< there were some
@@ -77,7 +77,7 @@ struct KeptScan {
 
 /// The settings of FCD: Bend when it left a layer (kept_tool.h).
 struct ToolState {
-    std::string text;        ///< as of bend_state.h
+    std::string text;        ///< as in bend_state.h
     bool isPosed;            ///< the tool left the layer in a pose of its rest shape
     std::uint64_t shape = 0; ///< shapeOf the layer then
     Matrix44m matrix;        ///< of the layer then
@@ -137,8 +137,8 @@ struct FitToolState {
 /// A layer that is a result: its source, and its contents when it was made (new_layers.h).
 struct ResultState {
     int source = 0;             ///< number of that layer
-    std::uint64_t contents = 0; ///< as of contentsOf
-    bool ownNormals = false;    ///< as of hasOwnNormals
+    std::uint64_t contents = 0; ///< as in contentsOf
+    bool ownNormals = false;    ///< as in hasOwnNormals
     QString label;
 };
 

@@ -33,7 +33,7 @@ LineGoal lineGoalOf(const MeshModel &layer, const StraightenMeshParam &param) {
     goal.untwist = param.untwist;
     if (param.shape == StraightenMeshParam::Line) {
         if (!param.targetLayer || param.targetLayer == &layer)
-            throw Error("Choose the layer with the line that the mesh is bent along as 'target_layer'.");
+            throw Error("There is no target line. Choose the layer with the line to bend along as 'target_layer'.");
         goal.target = readLine(*param.targetLayer);
         if (param.reverse)
             goal.target = goal.target.rowwise().reverse().eval();
@@ -111,9 +111,9 @@ std::string describe(const StraightenedLayers &made) {
          << report.following + report.released << " nodes go with it. The surface is off from where its "
          << "cross-sections go by " << report.rms << " (rms), and nowhere by more than " << report.largest << ".";
     if (report.jitter > 0)
-        line << " The points of the line jitter by " << report.jitter << " (rms), which was taken out.";
+        line << " The points of the line jitter by " << report.jitter << " (rms), which is smoothed.";
     if (report.twist != 0)
-        line << " A twist of " << report.twist << " degrees from end to end was taken out.";
+        line << " A twist of " << report.twist << " degrees from end to end is removed.";
     line << " " << made.seconds << " s.";
     return line.str();
 }
@@ -124,7 +124,7 @@ std::vector<std::string> warningsOf(const StraightenedLayers &made) {
         warnings.push_back(trianglesFlipped(std::size_t(made.result.check.flipped)) +
                            ": the surface is folded there. " + made.report.Remedy());
     if (!made.result.converged)
-        warnings.emplace_back("The surface did not converge away from the line.");
+        warnings.emplace_back("The surface did not converge where it does not go with the line.");
     return warnings;
 }
 

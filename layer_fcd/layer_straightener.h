@@ -16,7 +16,7 @@ struct LineSurface {
     Eigen::Affine3d world; ///< the layer's matrix
     vcg::fcd::SurfaceArrays arrays;
     std::vector<Point3m> normal;        ///< of each vertex slot
-    bool hasDirections;                 ///< as of ::hasDirections
+    bool hasDirections;                 ///< as in ::hasDirections
     vcg::fcd::Handles handles;          ///< all vertices are free
     std::shared_ptr<Prepared> prepared; ///< null: not yet
 

@@ -55,7 +55,7 @@ class NewLayers {
     void addDisplacement(MeshModel &layer, const Eigen::Matrix3Xd &position) const;
 
     /// The layers of a deformation: "NAME graph" at rest and "NAME deformed graph", which keeps the deformation, unless
-    /// \p graphOf, the deformer, is null; last "NAME what", as of addDeformed.
+    /// \p graphOf, the deformer, is null; last "NAME what", as in addDeformed.
     std::vector<MeshModel *> addResult(const QString &what, const vcg::fcd::DeformationResult &result,
                                        const std::vector<float> &quality,
                                        const std::shared_ptr<const Prepared> &graphOf);

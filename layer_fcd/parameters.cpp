@@ -100,18 +100,17 @@ vcg::fcd::DeformationParam asHandedOver(vcg::fcd::DeformationParam param) {
 }
 
 ParameterText falloffText() {
-    return {
-        "Falloff",
-        "How the motion of a handle fades towards what else is held. <i>Smooth</i>: evenly. <i>Linear</i>: straight, "
-        "with the bends near both ends. <i>Sharp</i>: to a peak at the handle. <i>Constant</i>: what is around the "
-        "handle goes along, and the bend is far from it.",
-        {"Smooth", "Linear", "Sharp", "Constant"}};
+    return {"Falloff",
+            "How the motion of a handle fades towards other handles and fixed parts. <i>Smooth</i>: evenly. "
+            "<i>Linear</i>: straight, with the bends near both ends. <i>Sharp</i>: to a peak at the handle. "
+            "<i>Constant</i>: the surface around the handle goes along, and bends far from it.",
+            {"Smooth", "Linear", "Sharp", "Constant"}};
 }
 
 ParameterText elasticText() {
     return {"Elastic (keep volume)",
-            "What bends keeps its volume: a limb that is squeezed gets thicker, one that is pulled gets thinner, and a "
-            "bend loses none. Each connected part keeps its own volume. A cloud and an open sheet have none."};
+            "The bent part keeps its volume: a squeezed limb gets thicker, a pulled one thinner, and a bend loses "
+            "none. Each connected part keeps its own volume. A cloud and an open sheet have none."};
 }
 
 ParameterText rigidityText() {
@@ -153,11 +152,9 @@ StraightenTexts straightenTexts() {
     texts.reverse = {"Reverse the target line",
                      "Lays the line along the target line from its other end. A line of a layer begins at the end "
                      "whose vertex has the smaller number."};
-    texts.length = {"Length",
-                    "The new length of the line, in world units. The surface is stretched along it and keeps its "
-                    "cross-sections. <b>0</b> (the default): as long as it is."};
-    texts.untwist = {"Remove twist",
-                     "Turns cross-sections about the line so that their longest axes lie alike, as in the middle. They "
-                     "must not be round."};
+    texts.length = {"Length", "The new length of the line, in world units. The surface stretches along it and keeps "
+                              "its cross-sections. <b>0</b> (the default): as long as it is."};
+    texts.untwist = {"Remove twist", "Turns cross-sections about the line until their longest axes point the same way "
+                                     "as in the middle. They must not be round."};
     return texts;
 }

@@ -50,7 +50,7 @@ struct HandleParam {
     QString tagAttribute = "fcd_tag"; ///< per-vertex scalar attribute (Attribute)
     QString tagFile;                  ///< .sel (Files)
     QString transformFile;            ///< .def, may be empty; read with every source
-    QString transforms;               ///< as of vcg::fcd::ReadMotionText, may be empty; goes before transformFile
+    QString transforms;               ///< as in vcg::fcd::ReadMotionText, may be empty; goes before transformFile
     bool mayLack = false;             ///< if no vertex has a tag, or the quality is no tags, all are free
     bool allFree = false;             ///< no tags are read: all vertices are free
     QString pointFile;                ///< .csv or .pp with point handles in addition to the tags, may be empty
@@ -94,7 +94,7 @@ struct FitMeshParam {
     QString landmarkFile;                       ///< .csv or .pp, may be empty
     QString targetFile;                         ///< .pp, paired with landmarkFile by name; may be empty
     std::vector<vcg::fcd::Landmark> landmarks;  ///< further ones
-    QString curveFile;                          ///< .csv, as of vcg::fcd::ReadCurveText; may be empty
+    QString curveFile;                          ///< .csv, as in vcg::fcd::ReadCurveText; may be empty
     std::vector<vcg::fcd::CurvePair> curves;    ///< further ones
     QString checkFile, checkTargetFile;         ///< landmarks that only check the fit, as the other two; may be empty
     bool leaveOneOut = false;                   ///< also fits without each of the landmarks
@@ -140,7 +140,7 @@ struct StraightenMeshParam {
     const MeshModel *lineLayer = nullptr; ///< with edges; null, or the layer itself: not used
     QString lineFile;                     ///< .pp, .csv or .txt, may be empty; goes before lineLayer
     Eigen::Matrix3Xd line;                ///< 3 x n, points of the line; if not empty, goes before both
-    double smoothing = 0;                 ///< as of FramedLine
+    double smoothing = 0;                 ///< as in FramedLine
     bool middle = false;                  ///< through the middles of the cross-sections instead
     Shape shape = Straight;
     double angle = 90;                                   ///< of the arc, degrees
@@ -207,7 +207,7 @@ struct CopyParam : DeformationLayers {
 /// Parameters of "FCD: Save Deformation".
 struct SaveDeformationParam : DeformationLayers {
     QString file;         ///< .ply
-    double accuracy = 0;  ///< as of vcg::fcd::FieldParam, world units
+    double accuracy = 0;  ///< as in vcg::fcd::FieldParam, world units
     bool inverse = false; ///< saves the inverse
 
     /// \throw vcg::fcd::Error

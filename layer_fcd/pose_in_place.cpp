@@ -131,11 +131,10 @@ void resetPose(const MeshDocument &document, MeshModel &layer, const ResetPosePa
                                keepIt + " Or open the layer's file again.",
                            remark);
     else if (param.to != ResetPoseParam::InAnyCase)
-        rest.checkVertices(
-            "Going back would undo that, too. If that is meant, choose 'The shape before the last pose, whatever "
-            "has moved it' (to=2); if not, tick " +
-                keepIt,
-            remark);
+        rest.checkVertices("Going back would undo that, too. If you want that, choose 'The shape before the last pose, "
+                           "whatever has moved it' (to=2); if not, tick " +
+                               keepIt,
+                           remark);
     rest.followFaces();
     const std::vector<std::uint64_t> shapes = rest.shapes();
     std::size_t to = shapes.size() - 1;

@@ -202,8 +202,8 @@ void RestShape::checkVertices(const std::string &remedy, const Remark &remark) {
     if (strangers == 0) {
         if (remark && !areOwn)
             remark("Something else has computed the normals of " + inQuotes(layer) +
-                   " since its last pose. The pose has replaced them by those of the rest shape, turned: compute them "
-                   "anew.");
+                   " since its last pose. The pose has replaced them by the turned normals of the rest shape: compute "
+                   "them again.");
         return;
     }
     if (!followMove())

@@ -25,8 +25,8 @@
 ///                            tagged, if "color", "quality" say so; "has_color": whether a vertex has the colour of
 ///                            its tag; "tag": the tag that its quality is, or the least int; and the other fields of
 ///                            KeptScan}
-///       "poses"              a table, as of ReadPoseSequence
-///       "tool"               settings of FCD: Bend: {"state": a text, as of bend_state.h; "posed": whether the layer
+///       "poses"              a table, as in ReadPoseSequence
+///       "tool"               settings of FCD: Bend: {"state": a text, as in bend_state.h; "posed": whether the layer
 ///                            has the pose of that text, not the shape that the pose begins from; "matrix": of the
 ///                            layer, column by column}
 ///       "pairs"              of FCD: Fit: [{"name"; "vertex": its number among the live ones, "place": on the

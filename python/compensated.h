@@ -14,7 +14,7 @@
 /// A compensation: from a nominal part to the part to make.
 class Compensating {
   public:
-    /// \param param by name, as of compensate in Python
+    /// \param param by name, as in compensate in Python
     Compensating(const Rows &vertices, const std::optional<Corners> &faces, const Rows &scan,
                  const std::optional<Corners> &scanFaces, const std::optional<Rows> &scanNormals, const nb::dict &param,
                  unsigned threads, const nb::object &report);

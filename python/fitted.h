@@ -28,7 +28,7 @@ class Fitting {
 
     /// \param tags one per vertex
     /// \param motions of tags, as steps for ReadMotionText \param normals of vertices; those of a cloud tell its sides
-    /// apart \param param by name, as of Fitter in Python
+    /// apart \param param by name, as in Fitter in Python
     Fitting(const Rows &vertices, const std::optional<Corners> &faces, const Given<std::int32_t, nb::ndim<1>> &tags,
             const std::vector<std::pair<int, std::string>> &motions, const std::optional<Rows> &normals,
             const nb::dict &param, unsigned threads, const nb::object &report);

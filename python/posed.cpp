@@ -211,7 +211,7 @@ nb::tuple Posed::map(const Rows &points, const std::optional<Rows> &normals, con
                              std::vector<Eigen::Matrix3f> linear;
                              for (std::size_t k = 0; k < numbers.size(); ++k) {
                                  p.push_back(rowOf(from, numbers[k]));
-                                 if (p[k].cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= 1e100) // as of DeformationField
+                                 if (p[k].cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= 1e100) // as in DeformationField
                                      place[k] = places(p[k], hint);
                              }
                              carrier->Displacements(place, p, displacement, linear);

@@ -47,7 +47,7 @@ class Posed {
     nb::object stretch(const Rows &vertices, const nb::object &report) const;
     /// Maps other points of the same space, and their normals.
     nb::tuple map(const Rows &points, const std::optional<Rows> &normals, const nb::object &report) const;
-    /// The pose as a sampled field, and its report. \param accuracy as of FieldParam
+    /// The pose as a sampled field, and its report. \param accuracy as in FieldParam
     nb::tuple field(bool inverse, double accuracy, const nb::object &report) const;
     /// The positions of the graph's nodes, and their linear maps.
     nb::tuple nodes() const;

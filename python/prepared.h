@@ -21,7 +21,7 @@ vcg::fcd::SurfaceView viewOf(const Rows &vertices, const std::optional<Corners> 
 /// own, or checks before each call that they have not changed.
 class Prepared {
   public:
-    /// \param tags one per vertex \param points vertices of the landmarks \param kept as of PrepareDeformer, or null
+    /// \param tags one per vertex \param points vertices of the landmarks \param kept as in PrepareDeformer, or null
     Prepared(const Rows &vertices, const std::optional<Corners> &faces, const Given<std::int32_t, nb::ndim<1>> &tags,
              const Given<std::int64_t, nb::ndim<1>> &points, const vcg::fcd::DeformationParam &param, unsigned threads,
              const nb::object &report, const Prepared *kept);

@@ -51,7 +51,7 @@ vcg::fcd::SurfaceLook lookOf(const Sequence::Look &given, const vcg::fcd::Surfac
     return look;
 }
 
-/// The places on the surface of another mesh's vertices, as of Posed::map.
+/// The places on the surface of another mesh's vertices, as in Posed::map.
 std::vector<vcg::fcd::SurfacePlace> placesOf(const Rows &rows, const Prepared &prepared, const Progress &progress) {
     std::vector<vcg::fcd::SurfacePlace> found(rows.shape(0));
     const vcg::fcd::NearestPlace &places = prepared.places(progress.Slice(0, 0.5));

@@ -5,7 +5,7 @@
 #include "posed.h"
 
 /// Straightens a surface, or bends it along a line. \param prepared a surface that is all free \param goal by name:
-/// line, target (or None), and parameters as of straighten in Python \return the pose, the report, its
+/// line, target (or None), and parameters as in straighten in Python \return the pose, the report, its
 /// warnings, and what to do against folds
 nb::tuple straighten(const std::shared_ptr<Prepared> &prepared, const nb::dict &goal, const nb::object &report);
 

@@ -212,7 +212,7 @@ def test_no_other_layer_is_visible():
     ms.set_current_mesh(3)
     ms.set_current_mesh_visibility(False)
     ms.set_current_mesh(0)
-    with pytest.raises(pymeshlab.PyMeshLabException, match="No layer but the source and its graphs is visible. Show those"):
+    with pytest.raises(pymeshlab.PyMeshLabException, match="Only the source and its graphs are visible. Show the layers"):
         ms.apply_filter(COPY, all_visible=True, **LAYERS)
     assert len(list(ms)) == 4
 

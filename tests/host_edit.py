@@ -654,7 +654,7 @@ def test_says_what_cannot_be_done(window, tmp_path):
     w.key("g")
     w.wait("There is no handle yet: mark one, or drag a point of the surface.")
     w.key("p")
-    w.wait("There is no handle whose pivot could be placed: mark one, or drag a point of the surface.")
+    w.wait("There is no handle whose pivot you could place: mark one, or drag a point of the surface.")
     mark_two_regions(w)
     x, y = MIDDLE
     w.more()

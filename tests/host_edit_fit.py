@@ -395,7 +395,7 @@ def test_curves_lead_the_pull(window, tmp_path):
     w.wait("trace: pulled", 5)
     w.key("ctrl+Return")
     w.wait(f"curves_file='{file}', graph_layers=False)")
-    w.wait("The curves were those of the earlier shape")
+    w.wait("The curves are gone: they belonged to the earlier shape")
     w.shot("applied")
     pull(w)
     w.key("ctrl+z", "ctrl+z") # over the apply

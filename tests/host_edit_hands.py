@@ -627,7 +627,7 @@ def test_what_a_filter_makes_of_a_layer_that_is_prepared_stays(window, tmp_path)
         assert threads
         filters.apply(dialog)
         w.wait("Applied filter Taubin Smooth")
-    w.wait("Something else has changed the layer meanwhile")
+    w.wait("Nothing was done: something else has changed the layer meanwhile")
     filters.finish(dialog)
     filters.back()
     smooth = w.save("smooth.ply").read_bytes()
@@ -657,7 +657,7 @@ def test_what_is_typed_is_a_number_or_refused(window, tmp_path):
     w.key("BackSpace", "BackSpace", "BackSpace", "BackSpace", "1", "Return")
     assert np.abs(load(w.save("typed_anew.ply"))[0][handle] - moved[handle] - [0, 1, 0]).max() < 1e-5
     w.key("ctrl+z", "o")
-    assert "What is marked from now on becomes ignored." in w.text()
+    assert "Marks now become ignored." in w.text()
 
     x, y, width, height = w.box("handles")
     row, cells = y + 35, lambda: np.asarray(w.picture().convert("L"))[y:y + height, x:x + width].astype(int)
@@ -1107,7 +1107,7 @@ def test_what_a_drag_does_is_said_once_the_surface_is_read(window, tmp_path):
     w.start_tool(mode=None) # Drag
     w.do("mousemove", X + 5, Y)
     said = re.findall("trace: says: (.*)", w.text())
-    assert said[-2:] == ["The surface is being read: in a moment you see what a drag moves.",
+    assert said[-2:] == ["Reading the surface: in a moment you see what a drag moves.",
                          "Drag this: its limb turns so that it follows. G pulls it alone."]
     w.shot("read")
     w.key("r")
@@ -1150,7 +1150,7 @@ def test_a_limb_follows_the_mouse(window, tmp_path):
     assert np.array_equal(load(w.save("undone.ply"))[0], turned)
     w.do("mousemove", X - 180, Y)
     w.key("j")
-    w.wait("There is no limb here that could be turned")
+    w.wait("There is no limb here to turn")
     assert np.array_equal(load(w.save("as_it_was.ply"))[0], turned)
     w.key("v", "shift+h")
     w.drag((X - 220, Y - 40), (X - 140, Y + 40))
@@ -1320,7 +1320,7 @@ def test_a_stroke_along_a_limb_gives_the_joint(window, tmp_path):
     scale = 285 # pixels a unit, at the side that is seen
     joint, end = (X + round(0.4 * scale), Y), (X + round(0.8 * scale), Y + 5)
     stroke(joint, end)
-    assert said().startswith("Drag along the limb: what is tinted turns where you began.")
+    assert said().startswith("Drag along the limb: the tinted part turns where you began.")
     w.shot("drawn")
     tint = yellow(w)
     assert tint[270 + 114 + 60:270 + 240].min() > 40 and tint[:270 + 60].max() < 15 # beyond, and the body
@@ -1334,7 +1334,7 @@ def test_a_stroke_along_a_limb_gives_the_joint(window, tmp_path):
     assert np.array_equal(shape("clicked"), np.float32(points)) and not said().startswith("Handle")
     stroke((X + 180, Y), (X + 60, Y))
     w.do("mouseup", 1)
-    w.wait("Beyond this stroke lies no limb that is free to turn: draw it from a joint towards the end of the limb.")
+    w.wait("There is no free limb beyond this stroke: draw it from a joint towards the end of the limb.")
     assert np.array_equal(shape("refused"), np.float32(points))
 
     stroke(joint, end)
@@ -1465,7 +1465,7 @@ def test_poses_have_names(window, tmp_path):
     w.click(w.place("keep"))
     w.wait("Nothing was moved, so there is no pose to keep.")
     w.click(w.place("saveposes"))
-    w.wait("There is no pose yet: 'Keep pose' makes one of what is shown.")
+    w.wait("There is no pose yet: 'Keep pose' makes one of the shape that you see.")
     w.drag((X + 225, Y), (X + 165, Y - 150))
     keep_pose(w, "bent")
     shapes = {"bent": load(w.save("bent.ply"))[0]}
@@ -1676,7 +1676,7 @@ def test_an_animation_is_played(window, tmp_path):
     w.drag((X + 225, Y), (X + 165, Y - 150))
     bent = w.seen()
     w.click(w.place("frame"))
-    w.wait("What is shown is no named pose: 'Keep pose' makes it one.")
+    w.wait("The shape that you see is no named pose: 'Keep pose' makes it one.")
     keep_pose(w, "bent")
     show_percent(w, 0, 50)
     half = load(w.save("half.ply"))[0]
@@ -1827,7 +1827,7 @@ def test_an_animation_is_exported(window, tmp_path):
     w.click(w.place("export"))
     w.wait_for_title("Export animation")
     fill_export(w, **{"from": "0.8", "to": "0.2"})
-    w.wait("The animation is to end before it begins.")
+    w.wait("The animation would end before it begins.")
 
     w.click(w.place("saveposes"))
     asked = w.wait_for_title("Save poses")
@@ -1902,7 +1902,7 @@ def test_an_animation_is_exported_as_layers(window, tmp_path):
     assert make(["Down"]).startswith("2 layers. ")
     w.do("mousemove", X, Y - 250)
     w.key("t", "t")
-    assert w.said().startswith("Drag over the surface: what the brush meets ") # the mode stays
+    assert w.said().startswith("Paint over the surface: it becomes ") # the mode stays
     choose_layer(w, 7)
     assert np.array_equal(load(w.save("key.ply"))[0], shown)
 
@@ -1958,7 +1958,7 @@ def test_contact_is_told_and_shown(window, tmp_path):
     w.key("g", "x", "minus", "1", "period", "3", "Return", "g", "y", "0", "period", "1", "Return")
     said = w.said
     w.until("contact", lambda: re.search(r"\d+ triangles pass through others\.", said()))
-    assert len(re.findall(r"FCD: Bend: \d+ triangles pass through others, which they did not at rest", w.text())) == 1 # in the log, once
+    assert len(re.findall(r"FCD: Bend: \d+ triangles pass through others and did not at rest", w.text())) == 1 # in the log, once
     w.click(w.place("stretch"))
     w.shot("contact")
 
@@ -1977,7 +1977,7 @@ def test_contact_is_told_and_shown(window, tmp_path):
     assert steps >= 4 and w.text().count("trace: contact") <= looked + 1 + steps // 4 # a machine may pause
     w.do("mouseup", 1, "mousemove", X, Y + 200)
     w.until("contact", lambda: "triangles pass through others, shown in magenta." in said() and magenta())
-    assert w.text().count("triangles pass through others, which they did not at rest") == 1 # it was there all the time
+    assert w.text().count("triangles pass through others and did not at rest") == 1 # it was there all the time
     w.key("ctrl+z", "ctrl+z", "ctrl+z")
     assert "triangles pass through" not in said() and not magenta()
 

@@ -217,7 +217,7 @@ def test_an_arc_has_a_direction_and_bends_to_a_side(window, tmp_path):
     w.do("mousemove", *w.place("becomes"), "click", 5) # an arc
     enter(w, "towards", "up")
     w.click(w.place("straighten"))
-    w.wait("'Bends towards' is 'up': give three numbers, x y z, or 0 0 0 where it follows from the line.")
+    w.wait("'Bends towards' is 'up': give three numbers, x y z, or 0 0 0 to follow the line.")
     enter(w, "direction", "0, 1, 0")
     enter(w, "towards", "0; 0; -2.5")
     w.shot("towards")

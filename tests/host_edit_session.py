@@ -397,7 +397,7 @@ def test_a_session_of_another_layer_is_refused(window, tmp_path):
     assert np.array_equal(load(w.save("both_still.ply"))[0], both)
     (tmp_path / "odd.fcd").write_bytes(changed(data, b"axes 0\npose 100\n", b"weights 12345.5\n"))
     load_session(w, tmp_path / "odd.fcd") # the layer has its pose then, and the tool begins there
-    w.wait("The handles that the layer 'tube.ply' keeps do not fit its marks, or its poses: it is bent from the shape that it has now.")
+    w.wait("The handles that the layer 'tube.ply' keeps do not fit its marks, or its poses: bends begin from the shape that it has now.")
     assert np.array_equal(load(w.save("odd.ply"))[0], pulled)
     import_another(w, tmp_path)
     w.drag((X, Y - 90), (X + 20, Y - 150))

@@ -345,7 +345,7 @@ def test_visible_layers_go_along(tmp_path):
                   + file.json["nodes"][number]["translation"])
         assert np.abs(points - expected).max() < 1e-5 * DIAGONAL and ("mode" in primitive) == (layer == cloud), number
         assert np.abs(points - file.array(primitive["attributes"]["POSITION"]) - file.json["nodes"][number]["translation"]).max() > 1
-    with pytest.raises(pymeshlab.PyMeshLabException, match="No other layer is visible. Show those that are to go along"):
+    with pytest.raises(pymeshlab.PyMeshLabException, match="No other layer is visible. Show the layers that should go along"):
         layers().apply_filter(SEQUENCE, poses_file=table(tmp_path, HEAD + KEYS), gltf_file=str(tmp_path / "b.glb"), all_visible=True)
     assert not (tmp_path / "b.glb").exists()
 
@@ -429,7 +429,7 @@ def test_poses_of_the_rest_shape_pose_that_while_the_layer_is_posed(tmp_path, cl
     assert not same_points(list(ms)[-2].vertex_matrix(), expected[1][0])
     ms.set_current_mesh(layer)
     ms.compute_coord_by_function(x="x + (vi == 7 ? 0.5 : 0)")
-    with pytest.raises(pymeshlab.PyMeshLabException, match="was changed since its last pose: .* were moved .* The poses are of another shape. Run 'FCD: Reset Pose'"):
+    with pytest.raises(pymeshlab.PyMeshLabException, match="was changed since its last pose: .* were moved .* The poses are of the shape before. To go back to it, run 'FCD: Reset Pose'"):
         ms.apply_filter(SEQUENCE, poses_file=str(tmp_path / "kept.csv"))
 
 

@@ -347,7 +347,7 @@ def test_what_no_merged_layer_has_is_told(tmp_path, capfd):
     capfd.readouterr()
     ms.generate_by_merging_visible_meshes(deletelayer=True)
     said = capfd.readouterr()
-    assert ("FCD: a layer is gone, and with it what was kept of it: rest shape, pairs of landmarks. If it was merged into another layer, that one has none of this."
+    assert ("FCD: a layer is gone, and with it these: rest shape, pairs of landmarks. If it was merged into another layer, that one has none of this."
             in said.out + said.err)
     ms, _, _ = posed()
     ms.set_verbosity(True)

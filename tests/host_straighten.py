@@ -126,7 +126,7 @@ def test_folds_are_warned_of(capfd, tmp_path):
     assert result["released_nodes"] > 0 and "Beside the line at " in log and "with the line would fold it" in log
     assert result["folded_triangles"] > 0 and "flipped: the surface is folded there" in log
     saved = ms.apply_filter(SAVE, deformation_file=str(tmp_path / "back.ply"), inverse=True, source_layer=1, rest_graph=2, deformed_graph=3)
-    assert saved["folded_vertices"] > 0 and "it has no way back" in capfd.readouterr().err
+    assert saved["folded_vertices"] > 0 and "these have no way back" in capfd.readouterr().err
 
 
 def test_parameters_names_order_and_defaults():
@@ -232,13 +232,13 @@ ERRORS = {
     "no edges": ({"line_layer": 0}, pymeshlab.Mesh(vertex_matrix=axis()), "has no edges"),
     "branch": ({"line_layer": 0}, polyline(axis(), [0, 1, 2, 3, 1]), "has a branch at vertex 1"),
     "ring": ({"line_layer": 0}, polyline(axis(), [0, 1, 2, 0]), "is closed: its edges form a ring"),
-    "several": ({"line_layer": 0}, pymeshlab.Mesh(vertex_matrix=axis(), edge_matrix=np.array([[0, 1], [2, 3]], np.int32)), "has several lines"),
+    "several": ({"line_layer": 0}, pymeshlab.Mesh(vertex_matrix=axis(), edge_matrix=np.array([[0, 1], [2, 3]], np.int32)), "has several separate lines"),
     "outside": ({"line_layer": 0}, polyline(axis() + [0, 50, 0]), "The line is outside of the surface"),
     "no target": ({"line_layer": 0, "to": 2}, polyline(axis()), "as 'target_layer'"),
     "360": ({"line_layer": 0, "to": 1, "angle": 360}, polyline(axis()), "less than 360 degrees"),
     "length": ({"line_layer": 0, "length": -1}, polyline(axis()), "must be a positive number"),
     "smoothing": ({"line_layer": 0, "line_smoothing": 30}, polyline(axis()), "0 to 25 percent"),
-    "round": ({"line_layer": 0, "untwist": True}, polyline(axis()), "as good as round"),
+    "round": ({"line_layer": 0, "untwist": True}, polyline(axis()), "nearly round"),
     "empty file": ({"line_file": "# nothing\n"}, None, "holds no points"),
     "two numbers": ({"line_file": "1 2\n"}, None, "line.txt', line 1: found 2 numbers"),
     "one point": ({"line_file": "1 2 3\n"}, None, "has one point only"),

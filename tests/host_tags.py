@@ -60,8 +60,8 @@ def test_the_log_says_what_a_file_has_that_is_saved_now(capfd, target, words):
     capfd.readouterr()
     ms.apply_filter(TAG, role=0, **target)
     log = capfd.readouterr()
-    assert (f"that is saved now has the tags as {words}, in the place" if words else " fixed") in log.err + log.out
-    assert bool(words) == ("saved now" in log.err + log.out)
+    assert (f"the file has the tags as {words} instead of its own" if words else " fixed") in log.err + log.out
+    assert bool(words) == ("the file has the tags" in log.err + log.out)
 
 
 def test_the_deformed_layer_has_the_colours_that_the_mesh_had():

@@ -3,7 +3,7 @@
 """The manual's pictures of MeshLab's window: the tools and the filters' dialogs, by a scripted mouse as in host_edit.py. Look at each
 before it is kept.
 
-  FCD_MESHLABSERVER=$PWD/build/meshlab-2020.09/meshlabserver build/venv/bin/python tests/pictures.py docs/pictures [bend preview result fit]
+  FCD_MESHLABSERVER=$PWD/build/meshlab-2020.09/meshlabserver build/venv/bin/python tests/pictures.py docs/pictures [steps bend preview result fit]
 """
 import sys
 import tempfile
@@ -47,6 +47,21 @@ def name_handle(w, row, name):
     w.click((x + 45, y + 35 + 22 * row), count=2)
     w.do("key", "ctrl+a", "type", "--delay", "5", name)
     w.key("Return")
+
+
+def steps(w, out):
+    """drag.png and marks.png: steps 5, 7 and 8 of docs/window.md."""
+    w.click(SMOOTH)
+    w.start_tool(mode="d")
+    w.drag((X - 110, Y - 110), (X - 150, Y - 60))
+    write(w.picture(), out / "drag.png", (0, 90, 950, 734), 700)
+    w.key("ctrl+z", "t", "b", "f")
+    for y in range(150, 216, 15):
+        w.drag((X - 20, Y + y), (X + 20, Y + y + 5))
+    w.key("h")
+    for y in range(-190, -144, 15):
+        w.drag((X - 20, Y + y), (X + 20, Y + y + 5))
+    write(w.picture(), out / "marks.png", (0, 90, 950, 734), 700)
 
 
 def bend(w, out):
@@ -125,7 +140,7 @@ def fit(w, out):
 
 
 def main(out, *names):
-    for take in [globals()[name] for name in names] or [bend, preview, result, fit]:
+    for take in [globals()[name] for name in names] or [steps, bend, preview, result, fit]:
         with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
             def window(*meshes):
                 opened = Window(Path(folder), *meshes)

@@ -151,9 +151,8 @@ Compensation::Compensation(const SurfaceView &nominal, const SurfaceView &scan, 
     const Eigen::Affine3d toFrame = Eigen::Scaling(1 / scale) * Eigen::Translation3d(-middle);
     const FitTarget target(scan, scanNormal, toFrame, progress.Slice(0, 0.1), {}, {}, "scan");
     if (target.Spans().IsLine())
-        throw BadInput(
-            "All of the scan lies at one point or on one line, so it tells no warp. Scan the whole surface of "
-            "the part.");
+        throw BadInput("The whole scan lies at one point or on one line, so it tells no warp. Scan the whole surface "
+                       "of the part.");
     const double spacing = scan.isCloud ? SpacingOf(scan, area) : 0;
     report.spacing = spacing * scale;
     report.larger = target.Box().diagonal().norm();
@@ -270,17 +269,17 @@ std::vector<std::string> CompensateReport::Warnings() const {
     }
     if (spacing > thickness / 2) {
         line << "The scan's points are about " << spacing << " apart, and the part is about " << thickness
-             << " thick: which side of it a point is of cannot be told. Give a mesh, or normals.";
+             << " thick, so a point does not show its side. Give a mesh, or normals.";
         tell();
     }
     if (left > std::max(0.5 * before, rounding)) {
         line << "The warp leaves " << left << " of the " << before
-             << " (root mean square) that the part is off: the part is hardly warped, the scan is noisy, or the warp "
-                "is not smooth. Raise degree, if it is the latter.";
+             << " (root mean square) that the part is off: the part hardly warped, the scan is noisy, or the warp is "
+                "not smooth. If it is not smooth, raise degree.";
         tell();
     }
     if (missed > std::max(1e-6 * changeMost, rounding)) {
-        line << "The warp cannot be turned round everywhere: what comes out would be off by " << missed
+        line << "The warp cannot be turned round everywhere: the print would be off by " << missed
              << " somewhere. Lower degree.";
         tell();
     }

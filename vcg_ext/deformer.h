@@ -34,8 +34,8 @@ class Deformer : public MovingSurface {
     /// \throw BadInput a motion by more than 1e30 times the mesh, or a target that is not finite
     HeldMotions MotionsOf(const Handles &handles, double percent) const;
 
-    /// The pose for \p motions, in one step. A region whose motions are those of \p last keeps its pose; without
-    /// \p last, so does one whose motions are those of the last SolveAlong from rest.
+    /// The pose for \p motions, in one step. A region keeps its pose if its motions are those of \p last, or, without
+    /// \p last, those of the last SolveAlong from rest.
     /// \param last the pose to go on from; null: from rest
     /// \throw Unsolvable the graph cannot be factorised \throw Cancelled
     Pose Solve(HeldMotions motions, const SolverParam &solver, const Pose *last = nullptr,
@@ -72,7 +72,7 @@ class Deformer : public MovingSurface {
     std::vector<Eigen::Vector3d> pointRest;          ///< their positions at rest, mesh units
     Index placedNodes = 0;                           ///< number of given nodes (DeformerParam) on the surface
     SurfaceReport report;                            ///< of all regions
-    std::vector<std::array<std::uint32_t, 2>> apart; ///< as of SurfaceGraph
+    std::vector<std::array<std::uint32_t, 2>> apart; ///< as in SurfaceGraph
 
   private:
     friend class DeformerMaker;
@@ -138,11 +138,11 @@ struct DeformationResult {
     int iterations = 0; ///< of the solver
     bool converged = false;
     double energy = 0;              ///< Eq. 2, mesh units^2
-    double discretisationError = 0; ///< as of Deformer::DiscretisationError
+    double discretisationError = 0; ///< as in Deformer::DiscretisationError
     double secondsGraph = 0, secondsSolve = 0, secondsMap = 0;
     SurfaceReport surface;
-    Index looseParts = 0;  ///< as of LooseSurface
-    Index placedNodes = 0; ///< as of Deformer
+    Index looseParts = 0;  ///< as in LooseSurface
+    Index placedNodes = 0; ///< as in Deformer
     DeformationCheck check;
     SurfaceContact contact; ///< if it was looked for (DeformationParam::contact)
     Deformer::Pose pose;
@@ -166,7 +166,7 @@ DeformationCheck CheckPose(const SurfaceView &mesh, const Handles &handles, cons
                            const Deformer::Pose &pose, const PositionsRef &position, const Progress &progress = {});
 
 /// Finds where the surface passes through itself in a pose, but not at rest (FindContact).
-/// \param mesh the surface at rest that \p deformer was prepared from \param position as of CheckPose
+/// \param mesh the surface at rest that \p deformer was prepared from \param position as in CheckPose
 /// \param param that \p deformer was prepared with \throw Cancelled
 SurfaceContact ContactOf(const SurfaceView &mesh, const Deformer &deformer, const PositionsRef &position,
                          const DeformerParam &param, const Progress &progress = {});
@@ -203,7 +203,7 @@ void PoseSurface(const SurfaceView &mesh, const NormalOf &normal, const Handles 
                  DeformationResult &result);
 
 /// Carries result.pose, of \p deformer, to the surface: sets positions, checks and graphs of \p result and, if \p param
-/// asks for them, linear maps and measures. \param result as of PoseSurface \throw Cancelled
+/// asks for them, linear maps and measures. \param result as in PoseSurface \throw Cancelled
 void CarryPose(const SurfaceView &mesh, const NormalOf &normal, const Handles &handles, const Deformer &deformer,
                const DeformationParam &param, const Progress &progress, DeformationResult &result);
 

@@ -52,8 +52,8 @@ Fitter::Fitter(const SurfaceView &source, const NormalOf &normal, const Handles 
     deformer = PrepareDeformer(source, handles, param, progress.Slice(0, 0.65));
     const std::vector<Index> &tag = deformer->Whole().held.tag;
     if (std::find(tag.begin(), tag.end(), 1) == tag.end())
-        throw BadInput("There is nothing to fit: what is free are single vertices. Give a surface, or points all over "
-                       "one.");
+        throw BadInput(
+            "There is nothing to fit: only single vertices are free. Give a surface, or points all over one.");
     if (!source.isCloud &&
         IsInParts(source, *deformer, progress.Slice(0.65, 0.7))) { // join parts that lie near, as points
         SurfaceView points = source;
@@ -65,8 +65,8 @@ Fitter::Fitter(const SurfaceView &source, const NormalOf &normal, const Handles 
         nodeWeight = WeightsAtNodes(source, weight, *deformer);
     sample = EvenSample(deformer->Whole(), std::size_t(param.samples), nodeWeight);
     if (sample.empty() && !nodeWeight.empty())
-        throw BadInput("The weights of the surface are 0 wherever it is free, so nothing of it can be matched. Raise "
-                       "them where it counts, up to 1.");
+        throw BadInput("The weights of the surface are 0 wherever it is free, so nothing can be matched. Raise them "
+                       "where it counts, up to 1.");
     sampleNormal = NormalsAtNodes(source, normal, *deformer, sample, progress.Slice(0.9, 1));
     progress(1, "Preparing the fit");
 }

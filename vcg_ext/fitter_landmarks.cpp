@@ -82,7 +82,7 @@ std::shared_ptr<const FitTarget> Fitter::Prepare(const FitGoal &goal, const Prog
     if (target->Spans().IsLine())
         throw BadInput("All of the " + std::string(goal.name) +
                        " lies at one point or on one line, so it is no surface. Choose a surface, or points all over "
-                       "one; where points are meant one by one, give them as landmarks.");
+                       "one; give single points as landmarks.");
     target->curves = goal.curves;
     const Eigen::Affine3d toFrame = ToFrame(Eigen::Affine3d::Identity());
     for (Curve &curve : target->curves) {
@@ -257,8 +257,8 @@ void Fitter::Arrive(const FitSamples &drawn, std::size_t first, const std::vecto
 Eigen::Affine3d Fitter::Start(const FitTarget &target, const FitSamples &samples, std::size_t matched,
                               const std::vector<Eigen::Vector3d> &place, FitReport &report, unsigned threads) const {
     if (!IsAllFree())
-        throw BadInput("A start that moves all of the surface does not go with fixed vertices or handles: start "
-                       "from where the layers lie.");
+        throw BadInput(
+            "A start cannot move the surface while vertices are fixed or handles: start from where the layers lie.");
     std::vector<Eigen::Vector3d> from;
     const bool byAxes = param.start == FitStart::TriedAxes || report.fromAfar;
     const auto &node = samples.surfaceNode;

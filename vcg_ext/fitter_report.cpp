@@ -134,35 +134,36 @@ std::vector<std::string> FitReport::TargetRemarks() const {
                           "landmarks, and start from these with a scale.");
     if (isApart)
         remarks.push_back("Surface and target do not overlap: they are " + Rounded(apart) +
-                          " apart. Lay one onto the other first.");
+                          " apart. Move one onto the other first.");
     if (fromAfar)
-        remarks.push_back("Surface and target did not overlap: they were " + Rounded(apart) +
-                          " apart, so the surface was first moved onto the target's middle" +
-                          (isSureFromAfar ? "."
-                                          : ", but which way round is not sure. Look at it; if it is turned, give "
-                                            "landmarks and start from these."));
+        remarks.push_back(
+            "Surface and target did not overlap: they were " + Rounded(apart) +
+            " apart, so the fit first moved the surface onto the target's middle" +
+            (isSureFromAfar
+                 ? "."
+                 : ", but it may be turned the wrong way. Look at it; if it is, give landmarks and start from these."));
     // A bent surface seems turned by some degrees if it is only scaled.
     const bool isTurned = turnedBy > 0.1, isScaled = std::abs(scaledBy - 1) > 1e-6; // more than rounding
     if (isTurned || isScaled)
-        remarks.push_back("The surface was first laid onto the target" +
-                          (isTurned ? ", turned by " + Rounded(turnedBy * 180 / detail::pi) + " degrees" : "") +
-                          (isScaled ? ", scaled by " + Rounded(scaledBy) : "") +
-                          ", as it fits with far less strain so. Look at it; if that is wrong, give landmarks and "
-                          "start from these.");
+        remarks.push_back(
+            "The fit first moved the surface onto the target" +
+            (isTurned ? ", turned by " + Rounded(turnedBy * 180 / detail::pi) + " degrees" : "") +
+            (isScaled ? ", scaled by " + Rounded(scaledBy) : "") +
+            ", which strains it far less. Look at it; if that is wrong, give landmarks and start from these.");
     if (endsLed > 0)
         remarks.push_back("The ends of " + std::to_string(endsLed) +
-                          " limbs led the fit at first: without, some came to lie on others' places. Look at it; if "
-                          "one lies wrong, give landmarks.");
+                          " limbs led the fit at first: without this, some came to lie where others belong. Look at "
+                          "it; if one lies wrong, give landmarks.");
     if (strained > 0)
-        remarks.push_back("To lie on the target, the surface is stretched and pressed by " + Rounded(100 * strained) +
-                          " percent (rms). Look at it: the two may lie turned to each other. If they do, turn one of "
-                          "them, or give landmarks and start from these.");
+        remarks.push_back("The fit stretches and presses the surface by " + Rounded(100 * strained) +
+                          " percent (rms) to lie on the target. Look at it: the two may be turned against each other. "
+                          "If they are, turn one of them, or give landmarks and start from these.");
     if (mirrored)
         remarks.emplace_back("The target looks like the mirror image of the surface. If it is, mirror one of the two "
                              "first: negate one coordinate, and turn its faces over.");
     if (flat)
-        remarks.emplace_back("The target is flat, so it is no surface that a solid shape can lie on: all that is "
-                             "matched was pressed into one plane. Check that it is the right one.");
+        remarks.emplace_back("The target is flat: the fit has pressed all matched parts into one plane. Check that it "
+                             "is the right target.");
     return remarks;
 }
 

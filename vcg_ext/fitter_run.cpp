@@ -18,16 +18,16 @@ namespace {
 // The share of the steps at the end in which the fit is as soft as it gets.
 constexpr double lastSteps = 0.2;
 // A step softens the fit by its share, or up to `hurry` times that if the surface moves little. A surface that moves by
-// more than onItsWay (of the diagonal) is still on its way, for which it needs the stiffness.
+// more than onItsWay (of the diagonal) is still on its way, and needs the stiffness.
 constexpr double hurry = 2, onItsWay = 1e-3;
 // The largest share of the target that a good fit leaves unreached: 24 fits of people and beasts, turned at their
-// joints, left a thousandth. If it is more, a limb may not have been found, or the source lacks it. Matching both ways
-// then tells: with a limb that is found, more of the source lies on the target, and nothing is left; surface that is
-// drawn over what the source lacks comes off elsewhere.
+// joints, left a thousandth. If it is more, the fit has missed a limb, or the source lacks it. Matching both ways shows
+// which: if it finds the limb, more of the source lies on the target, and nothing is left; if the source lacks it, the
+// surface is drawn there and comes off elsewhere.
 constexpr double mostUnreached = 0.002;
-// Ends of limbs are looked for among so many points of each surface, about a hundredth of the diagonal apart. An end is
-// known to two of these distances; five is elsewhere. Ends lead for half of the fit: then the surface is near, and the
-// points beside them tell more.
+// The fit looks for ends of limbs among endPlaces points of each surface, about a hundredth of the diagonal apart. It
+// knows an end to within endSpacing; beyond endElsewhere is another place. Ends lead for the first half of the fit:
+// then the surface is near, and the points beside them tell more.
 constexpr std::size_t endPlaces = 6000;
 constexpr double endSpacing = 0.02, endElsewhere = 0.05, endsLead = 0.5;
 

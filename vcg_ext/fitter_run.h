@@ -34,9 +34,9 @@ class Fitter::Run {
     // At rest if no more than this is left to move (of the diagonal, rms): a tenth of the error of fits to clean scans.
     // Or if a step is no longer than this: a smooth shape may slide along itself for hundreds of steps.
     static constexpr double rest = 1e-4;
-    // The share of surface and target that decides about a doubted landmark. One that tears the surface is right if it
-    // brings so much more of them onto each other; one that only strains it is wrong if leaving it out does. A limb has
-    // at least a patch, and a patch of 150 has two thirds of this.
+    // The share of surface and target that decides about a doubted landmark. A landmark that tears the surface is right
+    // if with it, so much more of the two lies on each other. One that only strains the surface is wrong if that holds
+    // without it. A limb has at least a patch, and a patch of 150 has two thirds of this.
     static constexpr double aLimb = 0.01;
 
     /// A fit that is set aside while another one is tried.

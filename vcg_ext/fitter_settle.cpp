@@ -20,15 +20,16 @@ constexpr double bentFar = 0.06;
 // each. This goes on until the correlation of the distances is noiseLeft of what it was, the distances grow by more
 // than mostNoise (Morozov's discrepancy principle), or more than comesOff of the samples come off the target. Chosen on
 // 32 shapes made by formula, smooth, with relief, open and halved; stifferTimes on 11 pairs of scans of the training
-// half, where twice as often made no difference. Nodes that this moves by more than the noise followed shape and not
-// noise (a limb's tip, a slide along the target), and stay soft. That does not tell if the noise is above strongNoise
-// (of the diagonal), since it then moves the surface by more than itself. (The scans had 0.0007 at most, a shape made
-// by formula with strong noise 0.0016.)
+// half, where twice as often made no difference. Nodes that move by more than the noise had followed the shape (a
+// limb's tip, a slide along the target), and stay soft. This rule fails if the noise is above strongNoise (of the
+// diagonal): such noise moves the surface by more than itself. (The scans had 0.0007 at most, a shape made by formula
+// with strong noise 0.0016.)
 constexpr double stiffer = 3, noiseLeft = 0.6, mostNoise = 1.07, comesOff = 0.0005;
 constexpr int stifferTimes = 4, stifferSteps = 6;
 constexpr double strongNoise = 0.001;
-// A gap is made as stiff as the surface around it allows: its distance from the target may grow by this factor
-// (Morozov's discrepancy principle), and it may not move farther than that, which tells what slides along the target.
+// A gap gets as stiff as the surface around it allows: the distance of that surface from the target may grow by
+// mostMisfit (Morozov's discrepancy principle). The surface may not move farther than this distance: then it slides
+// along the target.
 constexpr double mostMisfit = 1.2;
 constexpr int gapSteps = 6;
 

@@ -12,9 +12,9 @@ namespace vcg::fcd {
 
 namespace {
 
-// Strain of edges (rms) above which other starts are tried, and the share of it that another start may have, unless the
-// surface is nearer so at rest. Shapes made by formula had 0.36 and more if they lay turned, a head that lay turned by
-// 60 degrees 0.23, and a hand with touching fingers that lay right 0.19.
+// Other starts are tried if the strain of edges (rms) is above `pressed`. One wins if it leaves less than farLess of
+// that strain, or less strain if the surface at rest lies nearer. Shapes made by formula had 0.36 and more if they lay
+// turned, a head that lay turned by 60 degrees 0.23, and a hand with touching fingers that lay right 0.19.
 constexpr double pressed = 0.2, farLess = 0.5;
 // Below this strain the surface lies the right way round. Shapes made by formula, and scans with holes, that lay right
 // had at most 0.09; a tube that lay turned by 90 degrees had 0.13.
@@ -28,8 +28,8 @@ constexpr double grows = 0.1;
 /// The factor by which the matched surface has grown beyond its maps.
 double Fitter::Run::Growth() const { return GrowthOf(region, graph, MatchedShares(isFree.size(), *matches, samples)); }
 
-/// The motion with this scale that takes most of the matched nodes nearest to where they went; of all nodes, where too
-/// few are matched.
+/// The motion with this scale that takes most matched nodes nearest to where they went. If too few are matched, of all
+/// nodes.
 Eigen::Affine3d Fitter::Run::MotionOfMatched(double factor) const {
     const std::vector<double> share = MatchedShares(isFree.size(), *matches, samples);
     Eigen::Matrix3Xd from = asItLies.position, to = graph.position;
@@ -43,9 +43,9 @@ Eigen::Affine3d Fitter::Run::MotionOfMatched(double factor) const {
                  : MotionOfMost(from.leftCols(n), to.leftCols(n), factor);
 }
 
-/// Tries other starts; keeps one if the surface is far less strained, or less if it is nearer at rest, and as much of
-/// it lies on the target, or as little of that is unreached (all of a part may lie on the surface). The fit then begins
-/// anew from where most of the surface went, with the scale that it found.
+/// Tries other starts, and keeps one if two things hold. It strains the surface far less, or less if the surface at
+/// rest lies nearer. And as much of the surface lies on the target, or as little of the target is unreached (the target
+/// may be a part). The fit then begins again from where most of the surface went, with the scale that it found.
 void Fitter::Run::TryOtherStarts(const Progress &progress) {
     const double strained = StrainOf(region, graph);
     if (strained < unstrained || !fitter.MayBegin(report, isLed))

@@ -66,9 +66,9 @@ RegionDeformer::RegionDeformer(ReadRegion read, const DeformerParam &param, std:
 void RegionDeformer::FindHolding() {
     for (Index u = 0; u < surface.graph.Size(); ++u)
         if (const Index tag = held.Original(held.tag[std::size_t(u)]); tag != 1 && tag >= 0) {
-            Holding &its = holding[tag];
-            its.middle += surface.graph.position.col(u).cast<double>();
-            ++its.count;
+            Holding &one = holding[tag];
+            one.middle += surface.graph.position.col(u).cast<double>();
+            ++one.count;
         }
     for (auto &each : holding)
         each.second.middle /= each.second.count;

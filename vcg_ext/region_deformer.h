@@ -44,7 +44,7 @@ struct DeformerParam {
     double influence = 4; ///< node radius over patch radius, > 1
     LooseParts looseParts = LooseParts::Follow;
     bool bendsUnheld = false; ///< loose parts as large as a patch bend, for fits and lines, which move them
-    double weldDistance = defaultWeldDistance; ///< frame units, [0, 1e-3], as of BuildSurfaceGraph
+    double weldDistance = defaultWeldDistance; ///< frame units, [0, 1e-3], as in BuildSurfaceGraph
     ShapeConstants shape;
 
     /// All parameters except nodes and shape, to compare two of these.
@@ -82,7 +82,7 @@ struct ReadRegion {
     std::vector<std::array<Index, 3>> faces; ///< with DeformerParam::elastic: faces with a free node, as nodes
     std::vector<Index> center;               ///< given nodes (DeformerParam::nodes), as nodes of the surface
     bool hasGivenNodes = false;
-    std::uint32_t first = 0; ///< as of MovingRegion
+    std::uint32_t first = 0; ///< as in MovingRegion
     int most = mostPatches;  ///< largest automatic number of patches
 };
 
@@ -95,14 +95,14 @@ class RegionDeformer : public MovingRegion {
   public:
     using Pose = RegionPose;
 
-    /// \param nodeOf out: the node of each slot of \p read, as of SurfaceGraph
+    /// \param nodeOf out: the node of each slot of \p read, as in SurfaceGraph
     /// \throw BadInput too many nodes \throw Cancelled
     RegionDeformer(ReadRegion read, const DeformerParam &param, std::vector<Index> &nodeOf, const Progress &progress);
 
     /// The motions of what holds this region.
     HeldMotions OwnOf(const HeldMotions &all) const;
 
-    /// The pose for \p motions, in one step. Safe for any number of threads. \param motions as of OwnOf \param last the
+    /// The pose for \p motions, in one step. Safe for any number of threads. \param motions as in OwnOf \param last the
     /// pose to go on from; null: from rest \throw Unsolvable the graph cannot be factorised \throw Cancelled
     Pose Solve(HeldMotions motions, const SolverParam &solver, const Pose *last = nullptr,
                const Progress &progress = {}) const;
@@ -110,7 +110,7 @@ class RegionDeformer : public MovingRegion {
     /// As Deformer::StepsTo, for this region.
     int StepsTo(const HeldMotions &motions, const HeldMotions *begin = nullptr) const;
 
-    /// A path of motions: those at a step of 1 to \p steps, as of OwnOf.
+    /// A path of motions: those at a step of 1 to \p steps, as in OwnOf.
     using Path = std::function<HeldMotions(int step, int steps)>;
 
     /// The pose at the end of a path, in at least \p steps steps. The last pose from rest is kept, and returned if it
@@ -126,7 +126,7 @@ class RegionDeformer : public MovingRegion {
     double DiscretisationError(const Pose &pose, const SolverParam &solver, const Progress &progress = {}) const;
 
     const int askedPatches;                      ///< GraphParam::initialPatches that it was prepared with
-    const int most;                              ///< as of ReadRegion
+    const int most;                              ///< as in ReadRegion
     bool IsLimited() const { return isLimited; } ///< the automatic number of patches would be above most
     double Reach() const { return reach; }       ///< about D, frame units; the same for all seeds
     /// The slots of its point handles; held.pointTag has their tags.
@@ -171,7 +171,7 @@ class RegionDeformer : public MovingRegion {
     std::shared_ptr<const System> SystemOf(const NodeConstraints &given, const SolverParam &solver,
                                            const Progress &progress) const;
 
-    std::vector<std::size_t> point; // as of ReadRegion
+    std::vector<std::size_t> point; // as in ReadRegion
     DeformerParam param;
     const BeyondPaper beyond;
     bool isLimited = false;

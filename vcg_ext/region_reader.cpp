@@ -40,9 +40,9 @@ std::vector<std::pair<std::uint32_t, int>> HeldBeside(const SurfaceGraph &surfac
         progress, readingStage, Index(surface.slots.size()), [&](Index i, auto &beside) {
             const std::uint32_t slot = surface.slots[std::size_t(i)];
             if (const Index u = surface.nodeOf[slot]; u >= 0)
-                if (const Index its = held.Original(held.tag[std::size_t(u)]);
-                    its != 1 && its >= 0 && its != std::max(0, tag[slot]))
-                    beside.emplace_back(slot, its);
+                if (const Index heldTag = held.Original(held.tag[std::size_t(u)]);
+                    heldTag != 1 && heldTag >= 0 && heldTag != std::max(0, tag[slot]))
+                    beside.emplace_back(slot, heldTag);
         });
 }
 

@@ -18,12 +18,12 @@ namespace vcg::fcd {
 struct ReadRegions {
     std::vector<ReadRegion> regions;
     LooseSurface loose;                              ///< slots of the source that was read
-    std::vector<std::array<std::uint32_t, 2>> apart; ///< as of SurfaceGraph
-    Index together = 0;                              ///< as of SurfaceRegions
-    Index gaps = 0;                                  ///< as of SurfaceReport, also between regions; 0 for one region
+    std::vector<std::array<std::uint32_t, 2>> apart; ///< as in SurfaceGraph
+    Index together = 0;                              ///< as in SurfaceRegions
+    Index gaps = 0;                                  ///< as in SurfaceReport, also between regions; 0 for one region
     std::vector<std::pair<std::uint32_t, int>> heldBeside; ///< vertices that share a held node, and its tag
     Index placedNodes = 0;                                 ///< number of given nodes on the surface
-    double reach = 0; ///< as of Region; if it is more than that of the source, nothing else is set
+    double reach = 0; ///< as in Region; if it is more than that of the source, nothing else is set
 };
 
 /// Reads the free surface of a mesh, divides it into regions, and reads each of these again by itself, in its own
@@ -31,7 +31,7 @@ struct ReadRegions {
 /// that falls apart for that reason is divided again.
 class RegionReader {
   public:
-    /// \param param must outlive this \param metric as of Frame
+    /// \param param must outlive this \param metric as in Frame
     RegionReader(const DeformerParam &param, const Eigen::Matrix3d &metric) : param(param), metric(metric) {}
 
     /// \throw BadInput a coordinate that is not finite, invalid point handles, or given nodes that lie elsewhere

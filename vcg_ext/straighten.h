@@ -56,19 +56,19 @@ Handles AllFree(std::size_t slots, const Eigen::Affine3d &world);
 Eigen::Matrix3Xd LineOf(const LineGoal &goal, const Deformer &deformer, const Eigen::Affine3d &world,
                         const Progress &progress = {}, StraightenReport *report = nullptr);
 
-/// The motion from a line to the target of \p goal. \param deformer, world as of LineOf \param report out: length,
+/// The motion from a line to the target of \p goal. \param deformer, world as in LineOf \param report out: length,
 /// newLength, jitter, isMiddle, leftMiddle, twist
 /// \throw BadInput as LineOf and MotionTo of a LineGoal; cross-sections too round to measure a twist \throw Cancelled
 LineMotion MotionTo(LineGoal goal, const Deformer &deformer, const Eigen::Affine3d &world, StraightenReport &report,
                     const Progress &progress = {});
 
-/// The pose that moves with a line. \param deformer, world as of LineOf \param motion world units
+/// The pose that moves with a line. \param deformer, world as in LineOf \param motion world units
 /// \throw Unsolvable the graph cannot be factorised \throw Cancelled
 Deformer::Pose Straighten(const Deformer &deformer, const Eigen::Affine3d &world, const LineMotion &motion,
                           const DeformationParam &param, StraightenReport &report, const Progress &progress = {});
 
 /// The position of each vertex slot along a line, world units: 0 at its beginning, negative before it, above its length
-/// beyond its end. \param deformer as of LineOf \param line world units
+/// beyond its end. \param deformer as in LineOf \param line world units
 std::vector<float> PlacesOfVertices(const SurfaceView &mesh, const Deformer &deformer, const Eigen::Affine3d &world,
                                     const FramedLine &line, const Progress &progress = {});
 

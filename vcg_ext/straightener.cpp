@@ -76,11 +76,11 @@ void ListReleased(const std::vector<double> &place, const std::vector<bool> &con
 /// Measures by what share cross-sections get longer along a line, one part of the line after the other.
 class Lengthening {
   public:
-    /// \param at place, as a share of the line \param its of the sample \param goesAlong whether it moves with the line
-    void Add(double at, const LineMotion::Moved &its, double weight, bool goesAlong) {
+    /// \param at place, as a share of the line \param node of the sample \param goesAlong whether that moves along
+    void Add(double at, const LineMotion::Moved &node, double weight, bool goesAlong) {
         Part &to = part[std::size_t(std::clamp(at, 0.0, 0.999) * double(part.size()))];
         to.area += weight;
-        to.change += weight * (its.stretch - 1);
+        to.change += weight * (node.stretch - 1);
         to.isWhole = to.isWhole && goesAlong;
     }
     /// The rms of all parts that move with the line.
@@ -244,15 +244,15 @@ Deformer::Pose Straighten(const Deformer &prepared, const Eigen::Affine3d &world
     given.heldArea.assign(std::size_t(k), 0);
     double farthest = 0; // largest move of a node, frame units, or change of its linear map
     for (Index j = 0; j < k; ++j) {
-        const LineMotion::Moved &its = moved.emplace_back(motion.At(place[j], rest.col(j)));
-        const Eigen::Vector3d before = toWorld.Back(rest.col(j)), after = toWorld.Back(its.position);
-        farthest = std::max({farthest, (after - before).norm(), (its.linear - Eigen::Matrix3d::Identity()).norm()});
+        const LineMotion::Moved &node = moved.emplace_back(motion.At(place[j], rest.col(j)));
+        const Eigen::Vector3d before = toWorld.Back(rest.col(j)), after = toWorld.Back(node.position);
+        farthest = std::max({farthest, (after - before).norm(), (node.linear - Eigen::Matrix3d::Identity()).norm()});
         Eigen::Affine3d rigid;
-        rigid.linear() = its.turn;
-        rigid.translation() = after - its.turn * before;
+        rigid.linear() = node.turn;
+        rigid.translation() = after - node.turn * before;
         given.motion.push_back(rigid);
-        given.constrained.push_back(!its.isFolded && its.stretch < detail::mostStretch &&
-                                    its.stretch > 1 / detail::mostStretch);
+        given.constrained.push_back(!node.isFolded && node.stretch < detail::mostStretch &&
+                                    node.stretch > 1 / detail::mostStretch);
     }
     // The surface would tear where neighbours lie far apart along the line.
     const double ratio = std::max(1.0, motion.Length() / line.Length());

@@ -65,8 +65,8 @@ Marks MarksOf(const SymmetryGoal &goal, const SurfaceView &source, const Frame &
     std::sort(sorted.begin(), sorted.end());
     if (const auto twice = std::adjacent_find(sorted.begin(), sorted.end()); twice != sorted.end())
         throw BadInput("Vertex " + std::to_string(*twice) +
-                       " is named twice in the pairs and the midline. A vertex has one partner; one that is its own "
-                       "belongs to the midline.");
+                       " is named twice in the pairs and the midline. A vertex has one partner; if it is its own "
+                       "partner, put it into the midline.");
     return marks;
 }
 
@@ -127,8 +127,8 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
     report.plane = {inWorld(plane.point), plane.normal};
     const SmoothWarp warp = FitWarp(goalIn(plane), progress.Slice(0.3, 0.45));
 
-    // A fit does the rest. Its target is not the mirror image of the surface, but that of the warped surface, which
-    // lies near the surface at rest, where the fit begins.
+    // A fit does the rest. Its target is the mirror image of the warped surface: that lies near the surface at rest,
+    // where the fit begins.
     Eigen::Matrix3Xd position(3, Eigen::Index(source.vertexSlots));
     ParallelFor(progress.threads, source.vertexSlots, 1 << 12, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
@@ -153,8 +153,7 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
                                      progress.Slice(0.45, 0.55));
     } catch (const BadInput &) { // the surface itself was one: the warp has pressed it together
         throw BadInput(
-            "The surface is not at all like its mirror image in this plane. Give pairs, a midline or another "
-            "plane.");
+            "The surface is not at all like its mirror image in this plane. Give pairs, a midline or another plane.");
     }
     std::vector<Landmark> landmarks;
     landmarks.reserve(marks.vertex.size());

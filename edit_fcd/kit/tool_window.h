@@ -43,7 +43,7 @@ void toCamera(GLArea &view, QMouseEvent *event);
 void dockPanel(GLArea &view, QDockWidget &panel);
 
 /// Asks for a file to write, and whether to replace it if it exists. A name with the ending of no kind gets the first
-/// one of the chosen kind. \param kinds as of QFileDialog \param layer gives folder and name of the offered file
+/// one of the chosen kind. \param kinds as in QFileDialog \param layer gives folder and name of the offered file
 /// \return empty if it was cancelled
 QString fileToSave(GLArea &view, const QString &title, const QString &kinds, const MeshModel &layer);
 

@@ -406,7 +406,7 @@ def _parsers() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.ArgumentP
     made.add_argument("--stiffness", type=float, default=1.0, help="how much the surface keeps its shape (default: 1)")
     made.add_argument("--landmark-tolerance", type=float, default=0.0, help="how far pairs and midlines may be off (default: 0, exact)")
     made.add_argument("--largest-distance", type=float, default=0.0, help="what is farther from the mirror image has no counterpart (default: no limit)")
-    made.add_argument("--steps", type=int, default=50, help="of the fit onto the mirror image: more where it does not come to rest (default: 50)")
+    made.add_argument("--steps", type=int, default=50, help="of the fit onto the mirror image: raise it if the fit does not converge (default: 50)")
     made.add_argument("--other-side", action="store_true", help="also save the mirror image of what has no counterpart, other_side/NAME.ply: the good "
                       "side where the other one is missing")
     made = job("compensate", "Makes the part to print from each scan of a printed one, so that the nominal part comes out.", "SCAN", "NOMINAL")

@@ -133,7 +133,7 @@ def compensate(
     samples : int, default 12000
         How many places of the nominal part are matched, from 100 to a million.
     threads, progress
-        As of [Deformer][pymeshlab_fcd.Deformer].
+        As in [Deformer][pymeshlab_fcd.Deformer].
 
     Returns
     -------

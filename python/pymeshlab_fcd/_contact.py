@@ -41,5 +41,5 @@ class Contact:
     def _words(self) -> list[Told]:
         if not self.triangles:
             return []
-        return [(ContactWarning, f"{self.triangles} triangles pass through others, which they did not at rest: the surface has come up to "
-                                 f"{self.largest_depth:g} far through itself (Pose.contact tells where). Move the handles less.")]
+        return [(ContactWarning, f"{self.triangles} triangles pass through others and did not at rest: the surface reaches up to "
+                                 f"{self.largest_depth:g} into itself (Pose.contact tells where). Move the handles less.")]

@@ -67,11 +67,11 @@ def deform(
     landmarks : array_like, optional
         k x 3, where the points go.
     percent, steps
-        As of [Deformer.pose][pymeshlab_fcd.Deformer.pose].
+        As in [Deformer.pose][pymeshlab_fcd.Deformer.pose].
     smoothness, falloff, elastic, rigidity, patches, target_radius, seed, nodes, graph_weights, distances, influence
-        As of [Deformer][pymeshlab_fcd.Deformer].
+        As in [Deformer][pymeshlab_fcd.Deformer].
     loose_parts, weld_distance, max_iterations, tolerance, threads, progress, weights
-        As of [Deformer][pymeshlab_fcd.Deformer].
+        As in [Deformer][pymeshlab_fcd.Deformer].
 
     Returns
     -------
@@ -86,7 +86,7 @@ def deform(
     Warns
     -----
     DeformationWarning
-        What is probably not meant: nothing moves, flipped triangles, the shape did not converge.
+        You probably did not mean this: nothing moves, flipped triangles, the shape did not converge.
     """
     return _posed(vertices, faces, tags, transforms, landmarks, percent, steps, progress, points, dict(
         smoothness=smoothness, falloff=falloff, elastic=elastic, rigidity=rigidity, patches=patches, target_radius=target_radius, seed=seed, nodes=nodes, graph_weights=graph_weights,
@@ -124,30 +124,30 @@ def deformation(
     progress: Progress = None,
     weights: Distances | None = None,
 ) -> Deformation:
-    """The same as [deform][pymeshlab_fcd.deform] as a deformation of space, to be applied to other points: deform a thinned scan,
-    then all of it.
+    """Like [deform][pymeshlab_fcd.deform], but returns a deformation of space that you apply to other points: solve on a thinned scan,
+    then move all of it.
 
     Parameters
     ----------
     vertices, faces, tags, transforms, points, landmarks, percent, steps
-        As of [deform][pymeshlab_fcd.deform].
+        As in [deform][pymeshlab_fcd.deform].
     smoothness, falloff, elastic, rigidity, patches, target_radius, seed, nodes, graph_weights, distances, influence
-        As of [Deformer][pymeshlab_fcd.Deformer].
+        As in [Deformer][pymeshlab_fcd.Deformer].
     loose_parts, weld_distance, max_iterations, tolerance, threads, progress, weights
-        As of [Deformer][pymeshlab_fcd.Deformer].
+        As in [Deformer][pymeshlab_fcd.Deformer].
     accuracy : float, default 0.0
         How far a vertex may be off at most, in world units; 0: a fiftieth of the largest motion, at most a ten-thousandth of the diagonal
-        of what moves.
+        of the part that moves.
 
     Returns
     -------
     Deformation
-        What `save_fcd_deformation` saves of the same, to the bit. Its `largest_difference` tells how far a vertex is off at most.
+        The same as the filter `save_fcd_deformation` saves, to the bit. Its `largest_difference` tells how far a vertex is off at most.
 
     Warns
     -----
     DeformationWarning
-        As of [deform][pymeshlab_fcd.deform], which also tells the errors, and where vertices are farther off than the accuracy.
+        As in [deform][pymeshlab_fcd.deform], which also tells the errors, and where vertices are farther off than the accuracy.
     """
     told, least = shared(progress), _inputs.accuracy(accuracy)
     pose = _posed(vertices, faces, tags, transforms, landmarks, percent, steps, report(told, 0, 60), points, dict(

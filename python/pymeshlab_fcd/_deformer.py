@@ -137,7 +137,7 @@ class Plan:
 
 
 def renamed_weights(distances: Distances, weights: Distances | None, level: int) -> Distances:
-    """The value of `distances`, also by its old name `weights`. level: of the caller, as of warnings.warn"""
+    """The value of `distances`, also by its old name `weights`. level: of the caller, as in warnings.warn"""
     if weights is None:
         return distances
     warnings.warn("the parameter weights is called distances now; this name goes with the next version", DeprecationWarning, level)
@@ -305,9 +305,9 @@ class Deformer(Unchanging):
         Parameters
         ----------
         tags : array_like, optional
-            As of Deformer.
+            As in Deformer.
         points : array_like, optional
-            As of Deformer.
+            As in Deformer.
         progress : Progress, optional
             Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
 
@@ -319,12 +319,12 @@ class Deformer(Unchanging):
         Raises
         ------
         ValueError
-            As of Deformer, or the surface was prepared to be fitted or straightened.
+            As in Deformer, or the surface was prepared to be fitted or straightened.
 
         Warns
         -----
         DeformationWarning
-            As of Deformer.
+            As in Deformer.
         """
         if self._plan.kind != "held":
             raise ValueError("this surface was prepared to be moved by something else than handles: make a Deformer of it")
@@ -444,14 +444,14 @@ class Deformer(Unchanging):
         info = self.info
         found: list[Told] = []
         if info.gaps > 3:
-            found.append((SlitWarning, f"{info.gaps} vertices on open borders lie closer to another border than a tenth of their edges, and "
-                                       "nothing joins the two: such a slit may open. Weld the surface first, or raise weld_distance."))
+            found.append((SlitWarning, f"{info.gaps} vertices on open borders nearly touch another border (within a tenth of their edges): "
+                                       "such a slit may open. Weld the surface first, or raise weld_distance."))
         if 100 * info.one_sided > info.free:
-            found.append((ScanLineWarning, f"{info.one_sided} points have neighbours on their own scan line alone, so the lines are hardly "
+            found.append((ScanLineWarning, f"{info.one_sided} points have neighbours only on their own scan line, so the lines are hardly "
                                            "connected. If this is a surface, first thin out the points along the lines."))
         if info.unenclosed > 0:
-            found.append((VolumeWarning, f"{info.unenclosed} connected parts of what is free enclose no volume that elastic could keep: a cloud, or a "
-                                         "surface that is open where it is free. They bend as without it."))
+            found.append((VolumeWarning, f"{info.unenclosed} connected free parts enclose no volume that elastic could keep: a cloud, or a surface "
+                                         "with open borders in its free part. They bend as without elastic."))
         if info.placed_nodes < nodes:
             found.append((NodeWarning, f"{nodes - info.placed_nodes} of the {nodes} nodes do not lie on the free surface, and are left out."))
         if self._starts is not None and len(self._starts):
@@ -541,7 +541,7 @@ class Deformer(Unchanging):
         Parameters
         ----------
         transforms, landmarks, percent, steps, progress
-            As of [pose][pymeshlab_fcd.Deformer.pose].
+            As in [pose][pymeshlab_fcd.Deformer.pose].
 
         Returns
         -------

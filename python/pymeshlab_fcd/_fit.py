@@ -53,7 +53,7 @@ class FitInfo(PoseInfo):
     guessed: float
     """Share of the surface that is guessed, 0 to 1: parts without a counterpart, which were carried along."""
     guess_error: float
-    """Estimated error of the guessed surface, root mean square, judged by the bends of the matched one; not a number if that cannot be told."""
+    """Estimated error of the guessed surface, root mean square, from the bends of the matched one; not a number if it is unknown."""
     check: tuple[float, ...]
     """Distance of each pair of `check` from where it belongs. The fit has not seen these pairs."""
     leave_one_out: tuple[float, ...]
@@ -117,10 +117,10 @@ class Fitted(Pose):
         found: list[Told] = [(LandmarkWarning, text) for text in told["landmark_remarks"]]
         found += [(MatchWarning, text) for text in told["target_remarks"]]
         if told["matched"] < 0.3 and not told["alone"]:  # most of the shape is a guess
-            found.append((MatchWarning, f"Only {100 * told['matched']:g} percent of the surface have a counterpart: do not trust the rest. Lay "
-                                        "the surfaces onto each other first, give landmarks, or raise largest_distance or largest_angle."))
+            found.append((MatchWarning, f"Only {100 * told['matched']:g} percent of the surface have a counterpart: do not trust the rest. "
+                                        "Move the surfaces onto each other first, give landmarks, or raise largest_distance or largest_angle."))
         if told["guessed"] > 0.05 and told["guess_error"] > 0.01 * told["diagonal"]:  # 1 %: no hand misses so much
-            found.append((MatchWarning, f"{100 * told['guessed']:.3g} percent of the surface are guessed, as they have no counterpart, and may be off "
+            found.append((MatchWarning, f"{100 * told['guessed']:.3g} percent of the surface have no counterpart: their place is a guess that may be off "
                                         f"by about {told['guess_error']:.3g}: give landmarks there, or do not trust them."))
         if folded > 0:
             found.append((FoldWarning, f"{triangles_turned(folded)}: the fit folds the surface there. Give landmarks, or raise stiffness."))
@@ -157,8 +157,8 @@ class Fitter(Unchanging):
         False: `vertices` and `normals` are referred to instead of copied, as by a [Deformer][pymeshlab_fcd.Deformer].
     start : {'as_they_lie', 'landmarks_rigid', 'landmarks_similar', 'axes'}, default 'as_they_lie'
         How the whole surface is first moved. `as_they_lie`: not at all; the only choice with fixed vertices or handles. Without an overlap and
-        landmarks, the surface is moved onto the target's middle (`FitInfo.from_afar`). If the fit then leaves it strained, it is tried turned
-        by its axes and scaled, and a MatchWarning says which. `landmarks_rigid`, `landmarks_similar` (with a scale): by the landmarks, at least
+        landmarks, the surface is moved onto the target's middle (`FitInfo.from_afar`). If the fit then leaves it strained, it tries to turn
+        and scale it first, and a MatchWarning says so. `landmarks_rigid`, `landmarks_similar` (with a scale): by the landmarks, at least
         three. `axes`: middle onto middle and principal axes onto principal axes, in the best of 24 ways.
     stiffness : float, default 1.0
         How rigid the surface is in the end, 1e-6 to 1e6: 1 is the default, 10 is stiff.
@@ -174,8 +174,8 @@ class Fitter(Unchanging):
         The surface only follows its landmarks, as rigidly as `rigidity` says; no target is needed.
     both_ways : bool, default False
         Whether the target is also matched to the surface: places of it without surface nearby draw the nearest one. So thin, long parts are
-        reached. Leave it off if the target has parts that the surface lacks. False: tried if parts of the target are not reached; kept if then
-        all are, and more of the surface has a counterpart.
+        reached. Leave it off if the target has parts that the surface lacks. False: the fit tries this if it does not reach parts of the target, and
+        keeps it if it then reaches them and matches more of the surface.
     landmark_tolerance : float, default 0.0
         How far a landmark may stay from its target, in units of the vertices. 0: it is exact, if the graph is fine enough. Above 0, pairs that
         the others contradict are left out (`FitInfo.contradicted`).
@@ -269,7 +269,7 @@ class Fitter(Unchanging):
         Parameters
         ----------
         target_vertices : array_like or mesh, optional
-            k x 3, or a mesh as of `vertices`. It is not changed. Vertices that are not finite are left out. Not read with `landmarks_only`.
+            k x 3, or a mesh as in `vertices`. It is not changed. Vertices that are not finite are left out. Not read with `landmarks_only`.
         target_faces : array_like, optional
             m x 3 numbers of its vertices; None: a cloud, or what the mesh has.
         landmarks : Sequence[array_like], optional
@@ -280,7 +280,7 @@ class Fitter(Unchanging):
         target_weights : array_like, optional
             k numbers from 0 to 1, or a mask: how much each vertex of the target counts. A vertex of weight 0 is ignored. None: all count.
         check : Sequence[array_like], optional
-            Two arrays as of `landmarks`, of any vertices. The fit does not see these pairs; their distance from where they belong judges it
+            Two arrays as in `landmarks`, of any vertices. The fit does not see these pairs; their distance from where they belong judges it
             (`FitInfo.check`).
         leave_one_out : bool, default False
             Also fits without each landmark in turn, and tells its distance from where it belongs (`FitInfo.leave_one_out`). That takes one more
@@ -305,13 +305,13 @@ class Fitter(Unchanging):
             times smaller than the surface, nothing of the surface has a counterpart there, landmarks or curves are not free vertices of the
             surface, landmarks at one place, or the start does not go with them or with the tags.
         RuntimeError
-            The fit has no solution in double precision, as of a surface that is as thin as a line.
+            The fit has no solution in double precision: the surface may be as thin as a line.
 
         Warns
         -----
         DeformationWarning
-            What is not to be trusted: little is matched, flipped triangles, landmarks contradict each other or are too
-            dense for the graph, much is guessed, the target lies far away, is of another size, mirrored or flat, the fit did not converge.
+            What not to trust: little is matched, flipped triangles, landmarks contradict each other or are too
+            dense for the graph, much of the surface is a guess, the target lies far away, is of another size, mirrored or flat, the fit did not converge.
         """
         return self._fit(target_vertices, target_faces, landmarks, target_normals, target_weights, check, leave_one_out, curves,
                          shared(progress), 3)
@@ -325,14 +325,14 @@ class Fitter(Unchanging):
         if self._alone and lines:
             raise ValueError("curves lie on a target: give that, and leave landmarks_only out")
         if self._alone and len(points) == 0:
-            raise ValueError("there are no landmarks that the surface could follow; give some as landmarks, or leave landmarks_only out")
+            raise ValueError("there are no landmarks to follow; give some as landmarks, or leave landmarks_only out")
         goal = {} if self._alone else {**self._goal(target, faces, normals, weights), "curves": lines}
         fitting = self._deformer._fitting
         solved, found = fitting.fit(goal, points, places, _inputs.flag("leave_one_out", leave_one_out), report(told, 5, 70))
         found["alone"] = self._alone
         if found["matched"] == 0 and not self._alone:
             known = " ".join(found["landmark_remarks"] + found["target_remarks"])
-            raise ValueError("nothing of the surface has a counterpart on the target: lay them onto each other first, as start= does by "
+            raise ValueError("nothing of the surface has a counterpart on the target: move them onto each other first, as start= does by "
                              f"landmarks or axes, or raise largest_distance or largest_angle{known and '. ' + known}")
         made = Fitted(self._deformer, solved)
         made._report = found
@@ -454,11 +454,11 @@ def fit(
     target_faces : array_like, optional
         m x 3 numbers of its vertices; None: a cloud, or what the mesh has.
     tags, transforms, normals, weights, start, stiffness, rigidity, largest_distance, largest_angle, landmarks_only, both_ways
-        As of [Fitter][pymeshlab_fcd.Fitter].
+        As in [Fitter][pymeshlab_fcd.Fitter].
     landmark_tolerance, patches, smoothness, seed, samples, steps, threads, progress
-        As of [Fitter][pymeshlab_fcd.Fitter].
+        As in [Fitter][pymeshlab_fcd.Fitter].
     landmarks, target_normals, target_weights, check, leave_one_out, curves
-        As of [Fitter.fit][pymeshlab_fcd.Fitter.fit].
+        As in [Fitter.fit][pymeshlab_fcd.Fitter.fit].
 
     Returns
     -------
@@ -469,7 +469,7 @@ def fit(
     Warns
     -----
     DeformationWarning
-        What is not to be trusted, as of [Fitter.fit][pymeshlab_fcd.Fitter.fit], which also tells the errors.
+        What not to trust, as in [Fitter.fit][pymeshlab_fcd.Fitter.fit], which also tells the errors.
     """
     told = shared(progress)
     found, target, corners = _meshes.beside(vertices, faces, target_vertices, target_faces)

@@ -98,7 +98,7 @@ def deform_layer(ms: Any, tags: ArrayLike | None, transforms: Transforms | None 
     Raises
     ------
     RuntimeError
-        As of [enable_pymeshlab][pymeshlab_fcd.enable_pymeshlab].
+        As in [enable_pymeshlab][pymeshlab_fcd.enable_pymeshlab].
     ValueError
         An argument has the wrong shape, or is out of range.
     pymeshlab.PyMeshLabException

@@ -30,7 +30,7 @@ def _numbers(name: str, values: ArrayLike, shape: tuple[int, ...]) -> str:
 class Motion:
     """A motion of a handle: steps that are made in the order in which they were added.
 
-    A 4 x 4 matrix does as well, except for rotations of half a turn or more: a matrix turns the shortest way (`percent`), and a full turn is
+    A 4 x 4 matrix also works, except for rotations of half a turn or more: a matrix turns the shortest way, and a full turn is
     none. World coordinates; matrices act on column vectors.
 
     ```python
@@ -56,7 +56,7 @@ class Motion:
         Raises
         ------
         TypeError
-            What is given is no numbers.
+            The argument is not numbers.
         ValueError
             It has another shape, or is not finite.
         """
@@ -78,7 +78,7 @@ class Motion:
         Raises
         ------
         TypeError
-            What is given is no numbers.
+            The argument is not numbers.
         ValueError
             It has another shape, is not finite, or the axis has no length.
         """
@@ -101,7 +101,7 @@ class Motion:
         Raises
         ------
         TypeError
-            What is given is no numbers.
+            The argument is not numbers.
         ValueError
             It has another shape, is not finite, or not greater than 0.
         """
@@ -123,7 +123,7 @@ class Motion:
         Raises
         ------
         TypeError
-            What is given is no numbers.
+            The argument is not numbers.
         ValueError
             It has another shape, is not finite, or has another last row.
         """
@@ -135,7 +135,7 @@ class Motion:
 
     @classmethod
     def parse(cls, text: str) -> Motion:
-        """Reads steps, as of the filters' parameter `transforms`.
+        """Reads steps, as in the filters' parameter `transforms`.
 
         Parameters
         ----------
@@ -145,7 +145,7 @@ class Motion:
         Raises
         ------
         TypeError
-            It is no text.
+            It is not a text.
         ValueError
             It is for several handles.
         """
@@ -165,7 +165,7 @@ class Motion:
         Raises
         ------
         TypeError
-            It is no Motion.
+            It is not a Motion.
         """
         if not isinstance(other, Motion):
             raise TypeError(f"what follows must be a Motion, as Motion.affine(matrix); it is a {type(other).__name__}")

@@ -180,7 +180,7 @@ class Pose(Unchanging):
     def _warn(self, check: bool, told: Report | None, level: int) -> None:
         found: list[Told] = []
         if not self._told["moves"]:
-            found.append((NothingMovesWarning, "No handle moves: nothing that was given leads them away from where they are."))
+            found.append((NothingMovesWarning, "No handle moves: all motions lead to where the handles are already. Give other motions."))
         if not self._told["converged"]:
             found.append((NotAtRestWarning, "The deformation did not converge: raise max_iterations, or tolerance, or move the handles "
                                             "less at a time (steps)."))
@@ -243,8 +243,8 @@ class Pose(Unchanging):
                         contact=contact.triangles, contact_depth=contact.largest_depth, _error=self._solved.error)
 
     def discretisation_error(self, *, progress: Progress = None) -> float:
-        """Estimates the distance from the pose with a node at each vertex: root mean square, over the diagonal of what bends; not a number if
-        that cannot be told. Computed on first use, from a second, coarser solution.
+        """Estimates the distance from the pose with a node at each vertex: root mean square, over the diagonal of the part that bends; not a number if
+        it is unknown. Computed on first use, from a second, coarser solution.
 
         Parameters
         ----------
@@ -320,7 +320,7 @@ class Pose(Unchanging):
             Whether it is the inverse, from the pose back to rest.
         accuracy : float, default 0.0
             Largest error of a vertex, in world units. A tenth of it takes about five times as many samples, up to a million; see
-            `Deformation.file_size` and `seconds`. 0: a fiftieth of the largest motion, at most a ten-thousandth of the diagonal of what moves.
+            `Deformation.file_size` and `seconds`. 0: a fiftieth of the largest motion, at most a ten-thousandth of the diagonal of the part that moves.
         progress : Progress, optional
             Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
 
@@ -341,12 +341,12 @@ class Pose(Unchanging):
         field, told = self._core.field(_inputs.flag("inverse", inverse), accuracy, report(progress))
         made, found = Deformation._of(field, told["seconds"]), list[Told]()
         if told["folded"] > 0:
-            found.append((FoldWarning, f"The pose folds the surface at {told['folded']} vertices: from there it has no way back, and what is "
+            found.append((FoldWarning, f"The pose folds the surface at {told['folded']} vertices: these have no way back, and points "
                                        "near them may come to another place."))
         if told["off"] > 0:
             found.append((AccuracyWarning, f"{told['off']} vertices are farther off than {told['accuracy']:g}, up to "
-                                           f"{made.largest_difference:g}: parts that lie at one place move differently there, or a million "
-                                           "samples are not enough. Where that matters, use Pose.map."))
+                                           f"{made.largest_difference:g}: parts at one place move differently there, or a million "
+                                           "samples are not enough. If that matters, use Pose.map."))
         warn(found, level)
         return made
 
@@ -377,18 +377,18 @@ def _describe(found: dict[str, Any]) -> list[Told]:
 
     told: list[Told] = []
     if found["rigid"]:
-        told.append((RigidWarning, "Nothing is fixed beside the free surface, so it moves rigidly with the handles. Mark what stays "
-                                   "as fixed (tag 0), beside what is free."))
+        told.append((RigidWarning, "Nothing is fixed beside the free surface, so it moves rigidly with the handles. Mark as fixed "
+                                   "(tag 0) what has to stay, beside the free surface."))
     if found["overruled"]:
         told.append((OverruledWarning,
-                     f"{count(found['overruled'], 'handle vertex is', 'handle vertices are')} at the same place as a fixed vertex, or one of "
-                     "a handle with a smaller number, and held as that one. Give all vertices at a place the same tag."))
+                     f"{count(found['overruled'], 'handle vertex is', 'handle vertices are')} at the place of a fixed vertex, or of one with "
+                     "a smaller tag, which counts. Give all vertices at a place the same tag."))
     if found["strained"]:
         told.append((StretchWarning,
                      f"{count(found['strained'], 'edge joins', 'edges join')} two held regions that move differently: less than half or more "
                      f"than twice as long as at rest (the longest: {found['longest']:g} times). Leave free vertices between them."))
     if found["volume_off"]:
-        told.append((VolumeWarning, f"The volume of what bends is off by {100 * found['volume_off']:.0f} percent: elastic makes a limb at most "
+        told.append((VolumeWarning, f"The volume of the free surface is off by {100 * found['volume_off']:.0f} percent: elastic makes a limb at most "
                                     "twice or half as thick. Move the handles less, or leave more of the surface free."))
     if found["folded"]:
         told.append((FoldWarning, f"{triangles_turned(found['folded'])}: the surface is squeezed or twisted too much there. Move the handles "

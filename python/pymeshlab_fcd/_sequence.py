@@ -74,7 +74,7 @@ class PoseSequence:
     Parameters
     ----------
     poses : Mapping[str, Union[Transforms, str]]
-        The motions of each pose, by its name: `{tag: 4 x 4 matrix or Motion}`, or a text as of the filters' parameter `transforms`.
+        The motions of each pose, by its name: `{tag: 4 x 4 matrix or Motion}`, or a text as in the filters' parameter `transforms`.
     keys : Sequence[KeyFrame], optional
         The key frames, ascending in time. None: the poses follow each other smoothly from rest, a second each.
 
@@ -284,7 +284,7 @@ class PoseSequence:
         rate : float, default 24.0
             How many frames a second.
         shapes : {'frames', 'poses'}, default 'frames'
-            What is a morph target: each of the `frames`, or, by its name, each of the `poses`, which are mixed in straight lines.
+            The morph targets: each of the `frames`, or, by its name, each of the `poses`, which are mixed in straight lines.
         colors : array_like, optional
             n x 3 or n x 4: red, green, blue (and opacity) of each vertex, as they are seen (sRGB): whole numbers from 0 to 255, or others
             from 0 to 1. The `.glb` file has them. Short for `look=Look(colors=...)`.

@@ -136,7 +136,7 @@ def straighten(
     smoothness : float, default 0.0058
         Smoothness of the parts that do not move with the line: 0.001 is loose, 0.1 is stiff.
     seed, weld_distance, threads, progress
-        As of [Deformer][pymeshlab_fcd.Deformer].
+        As in [Deformer][pymeshlab_fcd.Deformer].
 
     Returns
     -------

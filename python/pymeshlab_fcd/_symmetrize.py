@@ -201,7 +201,7 @@ def symmetrize(
         How far a landmark may stay from its target, in units of the vertices. Above 0, landmarks that the others contradict are left out of the
         fit.
     patches, smoothness, seed, samples, steps, threads, progress
-        As of [Fitter][pymeshlab_fcd.Fitter].
+        As in [Fitter][pymeshlab_fcd.Fitter].
 
     Returns
     -------
@@ -214,7 +214,7 @@ def symmetrize(
         An argument has the wrong shape, or is out of range, a vertex is named twice as a landmark, the plane has no direction, no plane is better
         than any other, or nothing has a counterpart.
     RuntimeError
-        The fit has no solution in double precision, as of a surface that is as thin as a line.
+        The fit has no solution in double precision: the surface may be as thin as a line.
 
     Warns
     -----
@@ -251,17 +251,17 @@ def _words(made: Symmetrized, folded: int, diagonal: float) -> list[Told]:
     """Warnings of what not to trust."""
     told, found = made.symmetry, list[Told]()
     if not told.is_sure:
-        found.append((SymmetryWarning, "The surface is nearly as much like its mirror image in another plane: look at the plane, and give "
-                                       "pairs, a midline or the plane itself where it is the wrong one."))
+        found.append((SymmetryWarning, "The surface is nearly as much like its mirror image in another plane. Look at the plane; if it is "
+                                       "wrong, give pairs, a midline or the plane itself."))
     if told.after > told.before + 1e-6 * diagonal:  # more than rounding
-        found.append((SymmetryWarning, "The result is farther from its mirror image than the surface was: the plane is hardly the right one. "
+        found.append((SymmetryWarning, "The result is farther from its mirror image than the surface was: the plane is probably wrong. "
                                        "Give pairs, a midline or another plane."))
     if told.matched < 0.3:  # most of the shape is a guess
         found.append((SymmetryWarning, f"Only {100 * told.matched:.3g} percent of the surface have a counterpart on the other side: do not "
                                        "trust the rest. Give pairs or a midline."))
     elif told.guessed > 0.05 and told.guess_error > 0.01 * diagonal:  # 1 %: no hand misses so much
-        found.append((SymmetryWarning, f"{100 * told.guessed:.3g} percent of the surface have no counterpart on the other side, were carried "
-                                       f"along, and may be off by about {told.guess_error:.3g}."))
+        found.append((SymmetryWarning, f"{100 * told.guessed:.3g} percent of the surface have no counterpart on the other side: their "
+                                       f"place is a guess that may be off by about {told.guess_error:.3g}."))
     if told.contradicted:
         names = ", ".join(map(str, told.contradicted))
         found.append((LandmarkWarning, f"Landmarks {names}, counted from 0, the pairs first, do not go with the others. Look whether they are "
@@ -269,5 +269,5 @@ def _words(made: Symmetrized, folded: int, diagonal: float) -> list[Told]:
     if folded > 0:
         found.append((FoldWarning, f"{triangles_turned(folded)}: the surface is folded there. Give pairs, or raise stiffness."))
     if not told.converged:
-        found.append((NotAtRestWarning, "The fit onto the mirror image did not come to rest: raise steps."))
+        found.append((NotAtRestWarning, "The fit onto the mirror image did not converge: raise steps."))
     return found

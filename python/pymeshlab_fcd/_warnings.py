@@ -82,7 +82,7 @@ Told = tuple[type[DeformationWarning], str]
 
 
 def warn(found: Iterable[Told], level: int) -> None:
-    """Warns of each. level: as of warnings.warn, counted from here"""
+    """Warns of each. level: as in warnings.warn, counted from here"""
     for kind, text in found:
         warnings.warn(text, kind, level + 1)
 

@@ -110,7 +110,7 @@ def test_rims_alone_tell_that_flat_sides_shrank():
 
 def test_points_farther_apart_than_the_part_is_thick_are_told():
     points, faces, _, printed = block(1.0)
-    with pytest.warns(CompensationWarning, match="points are about 2.*which side of it a point is of cannot be told"):
+    with pytest.warns(CompensationWarning, match="points are about 2.*so a point does not show its side"):
         compensate(points, faces, printed(points))
 
 

@@ -159,7 +159,7 @@ def test_what_is_elastic_keeps_its_volume():
         assert abs(volume(before) / volume(vertices) - 1) > 0.02 and abs(volume(after) / volume(vertices) - 1) < 0.002
         assert np.array_equal(after[tags != 1], before[tags != 1])
     assert kept.info.unenclosed == 0
-    with pytest.warns(fcd.VolumeWarning, match="The volume of what bends is off by [0-9]+ percent"):
+    with pytest.warns(fcd.VolumeWarning, match="The volume of the free surface is off by [0-9]+ percent"):
         kept.pose({2: Motion.translate([60, 0, 0])}).info
 
 
@@ -544,14 +544,14 @@ def test_what_is_probably_not_meant_is_told():
         Deformer(vertices, faces, tags, max_iterations=1).pose({2: up})
     with pytest.warns(fcd.StretchWarning, match="two held regions that move differently"):
         Deformer(vertices, faces, np.where(vertices[:, 0] < 1, 0, np.where(vertices[:, 0] < 2, 2, 1))).pose({2: up})
-    with pytest.warns(fcd.OverruledWarning, match="at the same place as a fixed vertex"):
+    with pytest.warns(fcd.OverruledWarning, match="at the place of a fixed vertex"):
         Deformer(np.concatenate([vertices, vertices[135:136]]), faces, np.append(tags, 2)).pose({2: up})
     with pytest.warns(fcd.NodeWarning, match="1 of the 2 nodes do not lie on the free surface"):
         Deformer(vertices, faces, tags, nodes=[vertices[700], [50, 50, 50.0]])
     y, x = (a.ravel() for a in np.meshgrid(np.arange(8.0), np.arange(1401) / 200, indexing="ij"))
-    with pytest.warns(fcd.ScanLineWarning, match="have neighbours on their own scan line alone"):
+    with pytest.warns(fcd.ScanLineWarning, match="have neighbours only on their own scan line"):
         Deformer(np.column_stack([x, y, 0 * x]), None, np.where(x < 1, 0, np.where(x > 6, 2, 1)))
-    with pytest.warns(fcd.VolumeWarning, match="1 connected parts of what is free enclose no volume that elastic could keep"):
+    with pytest.warns(fcd.VolumeWarning, match="1 connected free parts enclose no volume that elastic could keep"):
         assert Deformer(vertices, None, tags, elastic=True).info.unenclosed == 1
     with pytest.warns(fcd.SlitWarning, match="such a slit may open"):
         x, y = np.meshgrid(np.linspace(0, 1, 21), np.linspace(0, 1, 21), indexing="ij")

@@ -216,7 +216,7 @@ def test_curves_that_cannot_be(fitter):
 
 
 def test_a_target_that_lies_elsewhere_or_is_another():
-    with pytest.warns(DeformationWarning, match="did not overlap: they were .* apart, so the surface was first moved onto the target's middle"):
+    with pytest.warns(DeformationWarning, match="did not overlap: they were .* apart, so the fit first moved the surface onto the target's middle"):
         far = fit(VERTICES, FACES, TARGET + [500, 0, -200], TARGET_FACES, **QUICK)
     assert far.info.from_afar and rms(far.vertices, TRUTH + [500, 0, -200]) < 0.6
     with pytest.warns(DeformationWarning) as caught:
@@ -224,7 +224,7 @@ def test_a_target_that_lies_elsewhere_or_is_another():
     texts = [str(each.message) for each in caught]
     assert any("times larger than the surface. If the two have other units" in text for text in texts)
     assert not any("raise steps" in text for text in texts), "which is no help then"
-    with pytest.warns(DeformationWarning, match="The target is flat, so it is no surface that a solid shape can lie on"):
+    with pytest.warns(DeformationWarning, match="The target is flat: the fit has pressed all matched parts"):
         fit(VERTICES, FACES, TARGET * [1, 1, 0] + [0, 0, 2], **{**QUICK, "steps": 5})
 
 
@@ -358,7 +358,7 @@ def test_it_is_judged_by_what_it_does_not_see(fitter, laid):
 
 def test_what_is_guessed_is_told(laid):
     truth, (part, faces) = bent(VERTICES, 60.0), tube(25, 27, end=LENGTH / 2)
-    with pytest.warns(pymeshlab_fcd.MatchWarning, match="percent of the surface are guessed, as they have no counterpart, and may be off by about"):
+    with pytest.warns(pymeshlab_fcd.MatchWarning, match="percent of the surface have no counterpart: their place is a guess that may be off by about"):
         half = fit(VERTICES, FACES, bent(part, 60.0), faces, **QUICK)
     off = np.linalg.norm(half.vertices - truth, axis=1)[VERTICES[:, 2] > LENGTH / 2]
     assert abs(half.info.guessed - 0.5) < 0.1 and 0.4 < half.info.guess_error / np.sqrt((off ** 2).mean()) < 2.5
@@ -408,7 +408,7 @@ def test_landmarks_alone():
     assert led.info.matched == 0 and led.info.landmarks == len(CHOSEN)
     # A target changes nothing; without landmarks there is nothing to follow, and without landmarks_only, a target is needed.
     assert same(fit(VERTICES, FACES, TARGET, landmarks=(CHOSEN, places), landmarks_only=True, **QUICK).vertices, led.vertices)
-    with pytest.raises(ValueError, match="there are no landmarks that the surface could follow"):
+    with pytest.raises(ValueError, match="there are no landmarks to follow"):
         fit(VERTICES, FACES, None, landmarks_only=True, **QUICK)
     with pytest.raises(ValueError, match="the target has no vertices"):
         fit(VERTICES, FACES, None, landmarks=(CHOSEN, places), **QUICK)
@@ -450,7 +450,7 @@ def test_few_points(points):
         with pytest.raises(ValueError, match="There is nothing to fit: the surface has no vertices"):
             fit(VERTICES[:0], None, TARGET, TARGET_FACES)
     elif points == 1:
-        with pytest.raises(ValueError, match="what is free are single vertices"):
+        with pytest.raises(ValueError, match="only single vertices are free"):
             fit(VERTICES[:1], None, TARGET, TARGET_FACES)
     else:
         assert np.isfinite(fit(VERTICES[:points], None, TARGET, TARGET_FACES).vertices).all()
@@ -475,7 +475,7 @@ NOWHERE = np.array([[0, 0, 0.0], [0, 0, 1]])
     (TARGET, {"faces": FACES[:, [0, 1, 1]]}, "The surface has no triangle with an area where it is free to bend"),
     (TARGET * 1e77, {"target_faces": TARGET_FACES}, "The target is about .e.7[67] times larger than the surface. Scale one of them first"),
     (TARGET * 1e-12, {}, "The target is about .e.1[12] times smaller than the surface. Scale one of them first"),
-    (TARGET, {"vertices": VERTICES[:1], "faces": None, "landmarks": ([0], NOWHERE[:1])}, "There is nothing to fit: what is free are single vertices"),
+    (TARGET, {"vertices": VERTICES[:1], "faces": None, "landmarks": ([0], NOWHERE[:1])}, "There is nothing to fit: only single vertices are free"),
     (TARGET, {"vertices": np.r_[VERTICES, [[0, 0, 9]]], "landmarks": ([len(VERTICES)], NOWHERE[:1])}, "Landmark 1 is at a vertex of a loose part"),
     (TARGET, {"target_normals": TARGET * np.nan}, "target_normals must be finite"),
     (TARGET, {"tags": 0 * FIXED}, "There is nothing to fit: no vertex is free"),
@@ -487,7 +487,7 @@ NOWHERE = np.array([[0, 0, 0.0], [0, 0, 1]])
     (TARGET, {"landmarks": ([900, 901], NOWHERE * np.nan)}, "the second of landmarks must be finite"),
     (TARGET, {"landmarks": (NOWHERE * np.nan, NOWHERE)}, "the first of landmarks must be finite"),
     (TARGET, {"start": "landmarks_rigid"}, "A start from landmarks needs three of them"),
-    (TARGET, {"start": "axes", "tags": FIXED}, "A start that moves all of the surface"),
+    (TARGET, {"start": "axes", "tags": FIXED}, "A start cannot move the surface"),
     (TARGET, {"start": "moments"}, "start must be one of 'as_they_lie', 'landmarks_rigid', 'landmarks_similar', 'axes'"),
     (TARGET, {"stiffness": 0}, "The stiffness must be from 1e-6 to 1e6"),
     (TARGET, {"stiffness": 1e300}, "The stiffness must be from 1e-6 to 1e6"),
@@ -501,7 +501,7 @@ NOWHERE = np.array([[0, 0, 0.0], [0, 0, 1]])
     (TARGET, {"weights": np.full(len(VERTICES), np.nan)}, "weights must be from 0 .* that of vertex 0 is nan"),
     (TARGET, {"weights": np.arange(len(VERTICES)) / 2}, "weights must be from 0 .* that of vertex 3 is 1.5"),
     (TARGET, {"weights": np.zeros(len(VERTICES))}, "The weights of the surface are 0 wherever it is free"),
-    (TARGET, {"target_weights": np.zeros(len(TARGET))}, "The weights of the target are 0 all over"),
+    (TARGET, {"target_weights": np.zeros(len(TARGET))}, "The weights of the target are 0 everywhere"),
     (TARGET, {"target_weights": np.ones(4)}, "target_weights must be 1323 numbers, one for each vertex"),
     (TARGET, {"steps": 1}, "A fit takes 2 to 10000 steps"),
 ])

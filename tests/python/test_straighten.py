@@ -142,7 +142,7 @@ def test_folds_are_warned_of():
     assert any("with the line would fold it" in text for text in texts) and any("flipped" in text for text in texts)
     assert made.line.released > 0 and 0 <= made.line.released_at[0][0] < made.line.released_at[0][1] <= LENGTH
     assert {each.category for each in caught} == {pymeshlab_fcd.LineWarning, pymeshlab_fcd.FoldWarning, pymeshlab_fcd.ContactWarning}
-    with pytest.warns(DeformationWarning, match="has no way back"):
+    with pytest.warns(DeformationWarning, match="have no way back"):
         made.deformation(inverse=True)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -160,10 +160,10 @@ def test_folds_are_warned_of():
     (AXIS, {"degrees": 400}, "less than 360"),
     (AXIS, {"length": -2}, "positive number"),
     (AXIS, {"smoothing": 0.5}, "0 to 25 percent"),
-    (AXIS, {"untwist": True}, "as good as round"),
+    (AXIS, {"untwist": True}, "nearly round"),
     (AXIS, {"degrees": 90, "towards": [1, 0, 0]}, "cannot bend in its own direction"),
     (AXIS, {"target": bent(AXIS), "degrees": 90}, "not both"),
-    (AXIS, {"target": [[0, 0, 0]]}, "Of the line that it goes to: The line has one point only"),
+    (AXIS, {"target": [[0, 0, 0]]}, "The target line is wrong. The line has one point only"),
     (AXIS[:, :2], {}, "line must be n x 3"),
     (AXIS * np.nan, {}, "line must be finite"),
     (AXIS, {"direction": [1, 2]}, r"direction must be 3 numbers; it is 2 of int64"),

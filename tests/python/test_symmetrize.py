@@ -132,7 +132,7 @@ def test_what_comes_out_less_symmetric_is_told():
     """A skull that is symmetric, and a pair that is none. (A plane beside the skull ends anywhere: the last bit decides.)"""
     at, faces = ball(40, 60)
     vertices = skull(at, 3)
-    with pytest.warns(DeformationWarning, match="farther from its mirror image than the surface was: the plane is hardly the right one"):
+    with pytest.warns(DeformationWarning, match="farther from its mirror image than the surface was: the plane is probably wrong"):
         symmetrize(vertices, faces, plane=[[0, 0, 0], [1, 0, 0]], pairs=[[vertices[:, 0].argmax(), vertices[:, 2].argmax()]])
 
 

@@ -172,9 +172,11 @@ def test_landmarks_beside_the_survey_and_too_few_points_are_told(capsys):
     assert capsys.readouterr().err == ""
     tell_doubts(points[[0, 57]] - [[0, 0, 0], [0, 0, 250]], points, 2)
     assert capsys.readouterr().err == \
-        "landmark 2 is 250 from the nearest point that was kept, which moves in its place: check its coordinates\n"
+        "landmark 2 is 250 from the nearest kept point, which moves in its place: check its coordinates\n"
     tell_doubts(points[[0, 96]], points[::6], 2)
     assert capsys.readouterr().err == "only 17 points are kept for 2 landmarks, and little bends between them: take a smaller spacing\n"
+    with pytest.raises(ValueError, match="only 2 points are kept for 2 landmarks, so none can bend: take a smaller spacing"):
+        tell_doubts(points[[0, 96]], points[::60], 2)
 
 
 # --- what must not be lost ---

@@ -417,7 +417,7 @@ TEST(Fit, SaysWhatCannotBe) {
     tag[5] = 0;
     ExpectError([&] { Fit(source, target, Small(), tag, {{5, {0, 0, 0}}}); }, "not free");
     ExpectError([] { Fit(source, target, {}, std::vector<int>(source.position.size(), 0)); }, "free");
-    ExpectError([] { Fit(Shape{{{0, 0, 0}}, {}, {}}, target); }, "nothing to fit: what is free are single vertices");
+    ExpectError([] { Fit(Shape{{{0, 0, 0}}, {}, {}}, target); }, "nothing to fit: only single vertices are free");
     Shape loose = source;
     loose.position.emplace_back(0, 0, 9);
     ExpectError(
@@ -503,7 +503,7 @@ TEST(Fit, WhatDoesNotCountOfTheTargetIsAsIfItWereNotThere) {
 TEST(Fit, SaysWhichWeightsCannotBe) {
     const auto none = [](std::size_t) { return 0; };
     ExpectError([&] { Weighted(source, target, none); }, "The weights of the surface are 0 wherever it is free");
-    ExpectError([&] { Weighted(source, target, {}, none); }, "The weights of the target are 0 all over");
+    ExpectError([&] { Weighted(source, target, {}, none); }, "The weights of the target are 0 everywhere");
     ExpectError([&] { Weighted(source, target, [](std::size_t i) { return i == 7 ? 2 : 1; }); },
                 "The weight of vertex 7 of the surface is 2");
     ExpectError([&] { Weighted(source, target, {}, [](std::size_t i) { return i == 3 ? std::nan("") : 1; }); },
@@ -708,7 +708,7 @@ TEST(Fit, CurvesLeadWhatSlides) {
     std::vector<int> tag(from.position.size(), 1);
     tag[meridian.vertex[0]] = 0;
     ExpectError([&] { Fit(from, to, Small(), tag, {}, {}, 0, {}, {}, {meridian}); },
-                "is none, is not free, or is of a loose part");
+                "does not exist, is not free, or belongs to a loose part");
     meridian.offset.resize(2);
     ExpectError([&] { fit({meridian}); }, "Curve 1 has 2 offsets. Give one for each vertex");
     meridian.offset.clear();
@@ -723,7 +723,7 @@ TEST(Fit, CurvesLeadWhatSlides) {
     ExpectError([&] { fit({meridian}); }, "Curve 1 has a point that is not finite");
     meridian.vertex.push_back(from.position.size());
     meridian.target.erase(meridian.target.begin() + 3);
-    ExpectError([&] { fit({meridian}); }, "which is none");
+    ExpectError([&] { fit({meridian}); }, "which does not exist");
 }
 
 // A sheet of unit squares, in a layer with a turn and a scale of 2.
@@ -1029,7 +1029,7 @@ TEST(Fit, BeginsTurnedOrScaledByItself) {
                     (sanitized ? 0.1 : 0.05) * times); // a coarse surface tells it less well
         EXPECT_EQ(fitted.report.turnedBy > 1, degrees > 1);
         const std::string said = Joined(fitted.report.Remarks());
-        EXPECT_NE(said.find("far less strain"), std::string::npos);
+        EXPECT_NE(said.find("strains it far less"), std::string::npos);
         EXPECT_EQ(said.find("scaled by") != std::string::npos, times != 1);
         EXPECT_EQ(said.find("turned by") != std::string::npos, degrees > 0);
     }
@@ -1102,9 +1102,9 @@ TEST(Fit, TellsWhereAllIsStrained) {
     const Fitted strained = Fit(rod, ball),
                  fitting = Fit(ball, Moved(ball, Eigen::Affine3d(Eigen::Scaling(1.0, 1.1, 1.0))));
     EXPECT_GT(strained.report.strained, 0.25);
-    EXPECT_NE(Joined(strained.report.Remarks()).find("stretched and pressed by"), std::string::npos);
+    EXPECT_NE(Joined(strained.report.Remarks()).find("stretches and presses the surface by"), std::string::npos);
     EXPECT_EQ(fitting.report.strained, 0);
-    EXPECT_EQ(Joined(fitting.report.Remarks()).find("stretched and pressed"), std::string::npos);
+    EXPECT_EQ(Joined(fitting.report.Remarks()).find("stretches and presses"), std::string::npos);
 }
 
 TEST(Fit, TellsOtherUnitsAndMirrorImages) {

@@ -631,9 +631,8 @@ TEST(GraphDeformer, SaysWhereEverythingIsJoinedWithEverything) {
     std::vector<bool> constrained(std::size_t(k), false);
     constrained[0] = true;
     const std::string message = MessageOf<Unsolvable>([&] { GraphDeformer(graph, constrained, 1); });
-    EXPECT_EQ(message,
-              "The deformation graph of 20000 nodes takes minutes to solve: its surface joins everything with "
-              "everything, as faces between vertices at random do. Leave such faces out, or take fewer patches.");
+    EXPECT_EQ(message, "The deformation graph of 20000 nodes takes minutes to solve: its faces join far places of the "
+                       "surface, as random faces do. Leave such faces out, or take fewer patches.");
 }
 
 TEST(GraphDeformer, CanBeCancelledWhileItIsFactorised) {

@@ -470,7 +470,7 @@ TEST(SequenceFrames, AreWrittenAndTaken) {
     EXPECT_NE(poses.content.find("\"targetNames\":[\"bent\",\"turned\"]"), std::string::npos);
 
     output.gltf = nullptr;
-    EXPECT_NE(MessageOf<BadInput>([&] { run(output); }).find("There is nothing to make of the poses"),
+    EXPECT_NE(MessageOf<BadInput>([&] { run(output); }).find("There is nothing to make from the poses"),
               std::string::npos);
 }
 
@@ -558,18 +558,18 @@ TEST(FrameFiles, RefuseWhatSinglePrecisionCannotHold) {
     const SurfaceLook look;
     Matrix3Xd position = SurfaceView(arrays).Copy();
     Bytes file;
-    const std::string tooFar = "The file holds coordinates up to 3e38, in single precision, and a vertex is farther "
-                               "away. Scale the scene, or leave that mesh out.";
+    const std::string tooFar = "A vertex is farther away than single precision allows in this file (3e38). Scale the "
+                               "scene, or leave that mesh out.";
     MorphAnimation late = FramesOf(2);
     late.time = {1e9, 1e9 + 1};
     EXPECT_EQ(MessageOf<BadInput>([&] {
                   GltfFile(file.Write(), {{"late", packed, look, position, position}}, late);
               }),
-              "A .glb file holds times in single precision, in which some frames would be at the same time. Let the "
-              "first key frame be nearer to 0 s.");
+              "A .glb file has single-precision times, in which some frames would be at the same time. Move the "
+              "first key frame nearer to 0 s.");
     EXPECT_EQ(MessageOf<BadInput>([&] { PointCacheFile(file.Write(), packed, late.time, 1, PointCacheFile::Mdd); }),
-              "A .mdd file holds times in single precision, in which some frames would be at the same time. Let the "
-              "first key frame be nearer to 0 s.");
+              "A .mdd file has single-precision times, in which some frames would be at the same time. Move the "
+              "first key frame nearer to 0 s.");
     position *= 1e200;
     EXPECT_EQ(MessageOf<BadInput>([&] {
                   GltfFile(file.Write(), {{"far", packed, look, position, position}}, FramesOf(2));

@@ -212,7 +212,7 @@ TEST(LinePoints, FollowsEdges) {
     EXPECT_NE(of({{0, 1}, {1, 2}, {1, 3}}).find("It has a branch at vertex 1, where 3 edges"), std::string::npos);
     EXPECT_NE(of({{0, 1}, {1, 2}, {2, 0}}).find("It is closed"), std::string::npos);
     EXPECT_NE(of({{0, 1}, {2, 3}, {3, 4}}).find("the first has 2 of the 5 vertices"), std::string::npos);
-    EXPECT_NE(of({{0, 1}, {2, 3}, {3, 4}, {4, 2}}).find("several lines"), std::string::npos);
+    EXPECT_NE(of({{0, 1}, {2, 3}, {3, 4}, {4, 2}}).find("several separate lines"), std::string::npos);
 }
 
 TEST(LinePoints, ReadsALineForEachPoint) {
@@ -341,7 +341,7 @@ TEST(LineMotion, RefusesLinesThatLeadNowhere) {
     EXPECT_NE(of().find("length of the line must be a positive number"), std::string::npos);
     goal.length = 0;
     goal.target = Points({{1, 1, 1}});
-    EXPECT_NE(of().find("Of the line that it goes to: The line has one point only"), std::string::npos);
+    EXPECT_NE(of().find("The target line is wrong. The line has one point only"), std::string::npos);
     goal.target.resize(3, 0);
     goal.arc.degrees = 360;
     EXPECT_NE(of().find("less than 360 degrees"), std::string::npos);
@@ -628,7 +628,7 @@ TEST(Straighten, TakesATwistOut) {
     EXPECT_TRUE(apart.position.allFinite());
     EXPECT_NEAR(apart.report.twist, 0, 6);
 
-    EXPECT_NE(MessageOf<BadInput>([&] { Along(Tube(length, 0.6, 0.6, 101, 24), goal); }).find("as good as round"),
+    EXPECT_NE(MessageOf<BadInput>([&] { Along(Tube(length, 0.6, 0.6, 101, 24), goal); }).find("nearly round"),
               std::string::npos);
 }
 
@@ -696,7 +696,8 @@ TEST(Straighten, RefusesALineElsewhere) {
     goal.line = Points({{0, 0, 0}, {10, 0, 0}});
     goal.middle = true;
     const Shape ends = Twice(Tube(0.3, 0.6, 0.6, 4, 16), {9.7, 0, 0});
-    EXPECT_NE(MessageOf<BadInput>([&] { Along(ends, goal); }).find("too few places of the line"), std::string::npos);
+    EXPECT_NE(MessageOf<BadInput>([&] { Along(ends, goal); }).find("too few cross-sections along the line"),
+              std::string::npos);
 }
 
 TEST(Straighten, TellsPlacesAlongTheLine) {

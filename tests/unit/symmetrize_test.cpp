@@ -204,7 +204,7 @@ TEST(Compensation, TellsWhatIsOutOfRange) {
         return fcd_test::MessageOf<BadInput>([&] { Compensation(sheet.View(), scan, {}, CompensateParam()); });
     };
     for (std::size_t count : {1, 2, 15})
-        EXPECT_NE(ofScan(count, 0).find("All of the scan lies at one point or on one line"), std::string::npos);
+        EXPECT_NE(ofScan(count, 0).find("The whole scan lies at one point or on one line"), std::string::npos);
     EXPECT_NE(ofScan(9, 0.3).find("The scan has 9 points, too few"), std::string::npos);
 }
 

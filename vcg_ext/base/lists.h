@@ -10,9 +10,9 @@
 
 namespace vcg::fcd {
 
-/// Joins the lists of several ranges into one, and frees each as soon as it is copied. One thread does it: most of the
-/// time goes to memory that is used for the first time, and several threads, for which it would have to be initialised,
-/// take twice as long. \param list the member of a part that is its list
+/// Joins the lists of several ranges into one, and frees each as soon as it is copied. One thread does it. Most of the
+/// time goes to the first use of memory; several threads take twice as long, since they need initialised memory. \param
+/// list the member of a part that is its list
 template <class Part, class Item>
 std::vector<Item> Together(std::vector<Part> &parts, std::vector<Item> Part::*list) {
     std::size_t size = 0;

@@ -9,8 +9,8 @@
 
 namespace vcg::fcd {
 
-/// Calls body(first, last) for the ranges of \p grain items that cover [0, n). The ranges do not depend on the threads:
-/// a body that writes only what belongs to its range gives the same bits for any number of them. The first exception is
+/// Calls body(first, last) for the ranges of \p grain items that cover [0, n). The ranges do not depend on the threads.
+/// So a body that writes only to its range gives the same bits for any number of threads. The first exception is
 /// rethrown here.
 /// \param threads 0 = one a core; fewer if they cannot be started
 /// \param whileWaiting if given, called some times a second while this thread waits for others; its exception counts as
@@ -20,9 +20,9 @@ void ParallelFor(unsigned threads, std::size_t n, std::size_t grain,
                  const std::function<void()> &whileWaiting = {});
 
 /// While one lives, the loops of the thread that made it share helper threads, and so do loops within their bodies.
-/// Helpers are started by the first loop that can use them and end with this. A loop waits only for helpers that have
-/// taken a range; without this, each loop starts helpers of its own and waits until they have ended, which takes some
-/// time slices on a busy machine. One within another does nothing. Use it as a local variable.
+/// The first loop that can use helpers starts them; they end with this object. A loop then waits only for helpers that
+/// have taken a range. Without this object, each loop starts its own helpers and waits for their end: some time slices
+/// on a busy machine. One LoopHelpers within another does nothing. Use it as a local variable.
 class LoopHelpers {
   public:
     LoopHelpers();
@@ -43,10 +43,10 @@ unsigned ThreadsFor(unsigned threads);
 /// How many ranges ParallelForAdding may compute ahead of adding: so few that their results stay in a cache.
 constexpr std::size_t rangesAhead = 32;
 
-/// For what is computed in any order, but added up in one. Calls compute(first, last) as ParallelFor calls its body,
-/// then add(first, last) for the ranges one after the other, in order; the thread that has computed the next range
-/// adds. RangeResults keeps the results between the two. A thread waits only if it is rangesAhead ranges ahead: with
-/// the cores busy, each wait would last a time slice.
+/// Computes in any order, but adds in one. Calls compute(first, last) as ParallelFor calls its body, then add(first,
+/// last) for one range after the other. The thread that has computed the next range adds it. RangeResults keeps the
+/// results between the two. A thread waits only if it is rangesAhead ranges ahead: with the cores busy, each wait would
+/// last a time slice.
 void ParallelForAdding(unsigned threads, std::size_t n, std::size_t grain,
                        const std::function<void(std::size_t, std::size_t)> &compute,
                        const std::function<void(std::size_t, std::size_t)> &add);

@@ -50,7 +50,7 @@ class PointTree {
     static constexpr std::size_t most = 16; ///< points of a block
     static constexpr std::size_t none = std::size_t(-1);
 
-    /// \param position 3 x n, n >= 1; NaN counts as infinite \param threads as of ParallelFor
+    /// \param position 3 x n, n >= 1; NaN counts as infinite \param threads as in ParallelFor
     explicit PointTree(const Eigen::Ref<const Eigen::Matrix<Scalar, 3, Eigen::Dynamic>> &position, unsigned threads = 1)
         : n(std::size_t(position.cols())) {
         assert(n > 0);

@@ -3,9 +3,10 @@
 #define VCG_FCD_UNFUSED_ARM_H
 
 /// \file
-/// Included before all else on 64-bit ARM (CMakeLists.txt), so that Eigen gives the same bits as elsewhere. There,
-/// Eigen fuses products and sums whatever -ffp-contract says, if the compiler defines __ARM_FEATURE_FMA; arm_neon.h
-/// needs that macro, and so comes first. And it sums three floats as two and one, in packets of two that only ARM has.
+/// Included before all else on 64-bit ARM (CMakeLists.txt), so that Eigen gives the same bits as elsewhere. If the
+/// compiler defines __ARM_FEATURE_FMA, Eigen fuses products and sums there, whatever -ffp-contract says. So this
+/// undefines the macro, after arm_neon.h, which needs it. And it sums three floats as two and one, in packets of two
+/// that only ARM has.
 #if defined(__aarch64__) && defined(__ARM_NEON)
 #include <arm_neon.h>
 #undef __ARM_FEATURE_FMA

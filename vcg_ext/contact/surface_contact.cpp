@@ -201,8 +201,8 @@ std::string SurfaceContact::Text() const {
     if (face.empty())
         return {};
     std::ostringstream line;
-    line << face.size() << " triangles pass through others, which they did not at rest: the surface has come up to "
-         << largest << " far through itself.";
+    line << face.size() << " triangles pass through others and did not at rest: the surface reaches up to " << largest
+         << " into itself.";
     return line.str();
 }
 

@@ -36,7 +36,7 @@ constexpr std::size_t contactUnasked = 250000;
 /// Finds where a deformed surface passes through itself; a cloud never does. The result is the same for any number of
 /// threads. It takes about a second for a million triangles that move, and nothing for others. \param mesh at rest
 /// \param position 3 x vertex slots, mesh units: of the pose; faces with a corner that is not finite are left out
-/// \param metric as of Frame \param apart the distance up to which faces touch at rest, over the diagonal of the posed
+/// \param metric as in Frame \param apart the distance up to which faces touch at rest, over the diagonal of the posed
 /// box of the faces that move \throw Cancelled
 SurfaceContact FindContact(const SurfaceView &mesh, const PositionsRef &position, const Eigen::Matrix3d &metric,
                            double apart, const Progress &progress = {});

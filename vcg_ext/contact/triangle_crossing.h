@@ -33,9 +33,9 @@ struct BesidePlane {
     double Through() const { return std::min(front, back) / normal.norm(); }
 };
 
-/// The interval in which a triangle meets the line where its plane cuts another one, as dot products with \p direction
-/// from \p origin; (inf, -inf) if it does not. \param direction of the line \param beside the triangle's corners beside
-/// the other plane
+/// A triangle's plane cuts another plane in a line. The interval of this line that is in the triangle, as dot products
+/// with \p direction from \p origin; (inf, -inf) if there is none. \param direction of the line \param beside the
+/// triangle's corners beside the other plane
 inline Eigen::Vector2d CutOf(const Corners3 &corner, const BesidePlane &beside, const Eigen::Vector3d &direction,
                              const Eigen::Vector3d &origin) {
     Eigen::Vector2d cut(std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity());

@@ -15,13 +15,13 @@
 ///              uxx uxy ... uzz float  its gradient, row by row: uxy is how ux changes along y
 ///     face     vertex_indices list of 3, repeated for an edge or a point; a cloud has no faces
 ///
-/// Two comments of the header give the largest difference from the deformation at a vertex of the surface that was
-/// sampled, in world units ("unknown" if it is), and a checksum: CRC-32 (ISO 3309, as of PNG and zip) of the file
-/// without the checksum's line, 8 hexadecimal digits. (Faster hashes exist. But all languages have this one, so any
-/// program can write and check such files, and it finds every change of up to 32 bits in a row.)
+/// The header has two comments. One is the largest error at a vertex of the sampled surface, in world units, or
+/// "unknown". The other is a checksum: CRC-32 (ISO 3309, as in PNG and zip) of the file without the checksum's line, 8
+/// hexadecimal digits. (All languages have this hash, so any program can write and check such files. It finds every
+/// change of up to 32 bits in a row.)
 ///
-/// The reader takes exactly what the writer writes, so that each bit is checked, and files of version 1, which have
-/// neither comment.
+/// The reader takes exactly what the writer writes: it checks each bit. It also takes files of version 1, without these
+/// comments.
 
 namespace vcg::fcd {
 

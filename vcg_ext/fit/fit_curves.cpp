@@ -97,7 +97,7 @@ FitCurves::FitCurves(const std::vector<Curve> &curves, const std::vector<Index> 
             const Index node = vertex < nodeOf.size() ? nodeOf[vertex] : -1;
             if (node < 0 || deformer.held.tag[node] != 1)
                 throw BadInput(name + " has vertex " + std::to_string(vertex) +
-                               ", which is none, is not free, or is of a loose part.");
+                               ", which does not exist, is not free, or belongs to a loose part. Leave it out.");
             if (!taken.insert(node).second)
                 continue;
             samples.Add(deformer, pose, node, offset.empty() ? Eigen::Vector3d::Zero() : offset[v]);

@@ -37,10 +37,10 @@ Graph Joined(const std::vector<Eigen::Vector3d> &place, const std::vector<Eigen:
     for (std::size_t i = 0; i < place.size(); ++i) {
         graph.position.col(Eigen::Index(i)) = place[i].cast<float>();
         tree.Nearest(place[i], 1 + 2 * joinedTo, nearest); // itself, and as many that may lie on the other side
-        std::size_t its = 0;
+        std::size_t joined = 0;
         for (const auto &other : nearest)
             if (const std::size_t j = std::size_t(other.point);
-                j != i && normal[i].dot(normal[j]) >= turned && its++ < joinedTo) {
+                j != i && normal[i].dot(normal[j]) >= turned && joined++ < joinedTo) {
                 list[i].push_back(Index(j));
                 list[j].push_back(Index(i));
             }

@@ -79,10 +79,10 @@ FitGuess Guess(const RegionDeformer &deformer, const FitSamples &samples,
     const std::size_t k = std::size_t(graph.Size());
     std::vector<double> all(k, 0), known(k, 0);
     for (std::size_t s = 0; s < samples.Size(); ++s) {
-        const bool its = isKnown(s);
+        const bool isSampleKnown = isKnown(s);
         for (std::uint32_t t = samples.begin[s]; t < samples.begin[s + 1]; ++t) {
             all[std::size_t(samples.term[t].node)] += samples.term[t].weight;
-            known[std::size_t(samples.term[t].node)] += its ? samples.term[t].weight : 0;
+            known[std::size_t(samples.term[t].node)] += isSampleKnown ? samples.term[t].weight : 0;
         }
     }
     std::vector<Index> matched;
@@ -90,8 +90,8 @@ FitGuess Guess(const RegionDeformer &deformer, const FitSamples &samples,
     using Reached = std::pair<double, Index>;
     std::priority_queue<Reached, std::vector<Reached>, std::greater<>> next;
     for (std::size_t j = 0; j < k; ++j) {
-        const double its = deformer.graph.area.empty() ? 0 : density * deformer.graph.area[j];
-        const bool leads = isFree[j] && known[j] > 0 && 2 * known[j] >= std::max(all[j], its);
+        const double expected = deformer.graph.area.empty() ? 0 : density * deformer.graph.area[j];
+        const bool leads = isFree[j] && known[j] > 0 && 2 * known[j] >= std::max(all[j], expected);
         if (leads)
             matched.push_back(Index(j));
         if (leads || !isFree[j]) {

@@ -18,7 +18,7 @@ struct FitGuess {
 
 /// Estimates the error of what is guessed from how much the matched surface bends. A matched node that another one at
 /// some distance carries rigidly would be off by some length. The estimate is twice the rms of this, at the distance
-/// from the nearest matched node (a structure function, as of random fields). Beyond the distances on the matched
+/// from the nearest matched node (a structure function, as in random fields). Beyond the distances on the matched
 /// surface, it grows with the square, as a bend that goes on.
 /// \param samples the matched ones, then the landmarks \param isKnown isKnown(sample): it lies on the target, or is met
 /// \param isFree flags of the graph's nodes; others are known

@@ -108,8 +108,9 @@ double MoveOnto(const FitSamples &samples, std::size_t first, const std::vector<
 
 double MoveTowards(const FitSamples &samples, std::size_t first, const std::vector<Eigen::Vector3d> &place,
                    const std::vector<char> &isFree, GraphPose &pose) {
-    // Iterated regularisation (Tikhonov 1963, King 1979). The squares of a sample's weights sum to a tenth or so; so
-    // what nodes can move apart comes nearer tenfold or more in each round, and what they cannot, hardly.
+    // Iterated regularisation (Tikhonov 1963, King 1979). The squares of a sample's weights sum to a tenth or so. So
+    // each round brings a sample ten times nearer or more if its nodes can move it by itself, and hardly if they
+    // cannot.
     constexpr double damping = 1e-2;
     constexpr int rounds = 12;
     const Eigen::Index n = Eigen::Index(place.size());

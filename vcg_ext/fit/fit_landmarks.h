@@ -14,10 +14,10 @@ namespace vcg::fcd {
 /// The point nearest to \p x within \p tolerance of \p place.
 Eigen::Vector3d Within(double tolerance, const Eigen::Vector3d &place, const Eigen::Vector3d &x);
 
-/// The pull on a landmark at \p x to its target \p place, frame units. Its energy is half the square of the distance
-/// from the ball of the tolerance around the target, times \p weight. A little of the squared distance from the target
-/// itself is added, so that the landmark does not slide about in the ball, and many that are off by chance are met in
-/// the middle.
+/// The pull on a landmark at \p x to its target \p place, frame units. Its energy is \p weight times half the square of
+/// the distance from the ball around the target whose radius is the tolerance. A little of the squared distance from
+/// the target itself is added: it keeps the landmark from sliding about in the ball, and centres many landmarks that
+/// are off by chance.
 FitSystem::Pull LandmarkPull(double tolerance, const Eigen::Vector3d &place, const Eigen::Vector3d &x, double weight);
 
 /// Moves the free nodes of a graph by as little as possible (least squares), so that some samples meet their targets.

@@ -24,8 +24,8 @@ struct MatchParam {
 /// Matches samples of a surface with their nearest points on the target, anew in each step of a fit.
 ///
 /// The weight of a match falls with its distance, as graduated robust weights do (Black and Rangarajan 1996, Zhou
-/// 2016), and with the angle between the normals. A match does not count if another part of the surface is nearer to
-/// its point (as in the picky matches of Godin 1994 and Zinsser 2003), or if it is at a border of the target and longer
+/// 2016), and with the angle between the normals. A match does not count in two cases: another part of the surface is
+/// nearer to its point (picky matches, Godin 1994 and Zinsser 2003), or it ends at a border of the target and is longer
 /// than most. So surface without a counterpart is not drawn to what lies beside it.
 ///
 /// Both ways: a point of the target is not reached if no sample is within two spacings. It then draws the nearest

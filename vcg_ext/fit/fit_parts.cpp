@@ -124,8 +124,8 @@ void FitParts::Carry(const std::vector<char> &isFree, double smoothness, double 
         return;
     for (Index j : follower)
         for (Index i : leader) {
-            double &its = gap[std::size_t(partOf[j])];
-            its = std::min(its, (rest(i) - rest(j)).norm());
+            double &least = gap[std::size_t(partOf[j])];
+            least = std::min(least, (rest(i) - rest(j)).norm());
         }
     // Where the surroundings take a point of the rest shape, and their rotation there.
     const auto around = [&](Index part, const Eigen::Vector3d &p, Eigen::Matrix3d &turn) {

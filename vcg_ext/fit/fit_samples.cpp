@@ -83,21 +83,21 @@ Eigen::Vector3d FitSamples::NormalAt(std::size_t s, const GraphPose &pose) const
 }
 
 float CheckedWeight(const WeightOf &weight, std::size_t slot, const char *what) {
-    const double its = weight(slot);
-    if (!(its >= 0 && its <= 1))
+    const double given = weight(slot);
+    if (!(given >= 0 && given <= 1))
         throw BadInput(std::string("The weight of vertex ") + std::to_string(slot) + " of the " + what + " is " +
-                       (std::isnan(its) ? "no number" : std::to_string(its)) +
+                       (std::isnan(given) ? "no number" : std::to_string(given)) +
                        ". Give each vertex a weight from 0 to 1; what has 0 is carried along.");
-    return float(its);
+    return float(given);
 }
 
 std::vector<float> WeightsAtNodes(const SurfaceView &mesh, const WeightOf &weight, const Deformer &deformer) {
     std::vector<float> least(std::size_t(deformer.Whole().surface.graph.Size()), 1.f);
     for (std::size_t i = 0; i < mesh.vertexSlots; ++i)
         if (!mesh.IsDeleted(i)) {
-            const float its = CheckedWeight(weight, i, "surface");
+            const float own = CheckedWeight(weight, i, "surface");
             if (const Index u = deformer.nodeOf[i]; u >= 0)
-                least[u] = std::min(least[u], its);
+                least[u] = std::min(least[u], own);
         }
     return least;
 }

@@ -97,8 +97,8 @@ Moments MomentsOf(const std::vector<Eigen::Vector3d> &points) {
 /// The 24 rigid motions that take middle and axes of points onto those of the target, or the 24 mirrored ones.
 std::vector<Eigen::Affine3d> OntoAxes(const std::vector<Eigen::Vector3d> &points, const FitTarget &target,
                                       bool mirrored) {
-    const Moments own = MomentsOf(points), &its = target.Spread();
-    const Eigen::Matrix3d axes = own.Axes(), targetAxes = its.Axes();
+    const Moments own = MomentsOf(points), &onTarget = target.Spread();
+    const Eigen::Matrix3d axes = own.Axes(), targetAxes = onTarget.Axes();
     std::vector<Eigen::Affine3d> motions;
     int order[3] = {0, 1, 2};
     do {
@@ -110,7 +110,7 @@ std::vector<Eigen::Affine3d> OntoAxes(const std::vector<Eigen::Vector3d> &points
             if ((turn.determinant() < 0) != mirrored)
                 continue;
             Eigen::Affine3d motion(turn);
-            motion.translation() = its.Middle() - turn * own.Middle();
+            motion.translation() = onTarget.Middle() - turn * own.Middle();
             motions.push_back(motion);
         }
     } while (std::next_permutation(order, order + 3));
@@ -152,8 +152,8 @@ Eigen::Affine3d StartFromAfar(const std::vector<Eigen::Vector3d> &points, const 
 std::vector<OtherStart> OtherStarts(const std::vector<Eigen::Vector3d> &points,
                                     const std::vector<Eigen::Vector3d> &normal, const FitTarget &target,
                                     const Eigen::Affine3d &reached, bool isPressed, unsigned threads) {
-    const Moments own = MomentsOf(points), &its = target.Spread();
-    const double larger = its.Radius() / std::max(own.Radius(), 1e-12);
+    const Moments own = MomentsOf(points), &onTarget = target.Spread();
+    const double larger = onTarget.Radius() / std::max(own.Radius(), 1e-12);
     const FitTurns turns(points, normal, target);
     const double present = turns.Misfit(reached);
     std::vector<OtherStart> starts;
@@ -164,7 +164,7 @@ std::vector<OtherStart> OtherStarts(const std::vector<Eigen::Vector3d> &points,
             continue;
         if (scale != 1)
             starts.push_back(
-                {Eigen::Translation3d(its.Middle()) * Eigen::Scaling(scale) * Eigen::Translation3d(-own.Middle()),
+                {Eigen::Translation3d(onTarget.Middle()) * Eigen::Scaling(scale) * Eigen::Translation3d(-own.Middle()),
                  false});
         const std::vector<Alignment> alignments = turns.Best(scale, OntoAxes(points, target, false), threads);
         for (std::size_t k = 0;

@@ -19,8 +19,8 @@ double AcrossALine(const std::vector<Eigen::Vector3d> &points);
 Eigen::Affine3d StartFromLandmarks(const std::vector<Eigen::Vector3d> &from, const std::vector<Eigen::Vector3d> &to,
                                    bool similar);
 
-/// Of the 24 rigid motions that take middle and principal axes of \p points onto those of the target, the one with the
-/// least distance of the nearest four fifths of the points. \param points, normal frame units; normal 0: unknown
+/// 24 rigid motions take middle and principal axes of \p points onto those of the target. The one with the least
+/// distance of the nearest four fifths of the points. \param points, normal frame units; normal 0: unknown
 Eigen::Affine3d StartFromAxes(const std::vector<Eigen::Vector3d> &points, const std::vector<Eigen::Vector3d> &normal,
                               const FitTarget &target, unsigned threads);
 
@@ -36,7 +36,7 @@ struct OtherStart {
 };
 
 /// Starts to try instead of the present position: the best motions of FitTurns; and, if the target has another radius,
-/// also scaled, and scaled without a rotation. \param points, normal as of StartFromAxes \param reached the motion of
+/// also scaled, and scaled without a rotation. \param points, normal as in StartFromAxes \param reached the motion of
 /// most of the surface in the fit from the present position \param isPressed that fit is strained; if not, there are
 /// starts only if one of them is nearer
 std::vector<OtherStart> OtherStarts(const std::vector<Eigen::Vector3d> &points,
@@ -49,7 +49,7 @@ std::vector<OtherStart> OtherStarts(const std::vector<Eigen::Vector3d> &points,
 double StrainOf(const RegionDeformer &deformer, const GraphPose &pose, const std::vector<double> &share = {});
 
 /// The factor by which a graph's edges have grown in a pose beyond its maps: the one that leaves the least strain; 1 if
-/// there are no edges. \param share as of StrainOf
+/// there are no edges. \param share as in StrainOf
 double GrowthOf(const RegionDeformer &deformer, const GraphPose &pose, const std::vector<double> &share = {});
 
 /// The motion with this scale that takes most points nearest to where they went: others, such as a bent limb, count

@@ -91,14 +91,14 @@ void FitSystem::AddSamples(Index row, const std::vector<Pull> &pull, const std::
             const Index column = unknown[std::size_t(other.node)];
             if (column < row)
                 continue;
-            const double its = other.weight;
-            const Eigen::Vector3d a = its * arm[t];
+            const double otherWeight = other.weight;
+            const Eigen::Vector3d a = otherWeight * arm[t];
             MatrixOf<6> &b = block[std::size_t(place[column])];
             b.col(0) += a[1] * drawn[2] - a[2] * drawn[1];
             b.col(1) += a[2] * drawn[0] - a[0] * drawn[2];
             b.col(2) += a[0] * drawn[1] - a[1] * drawn[0];
             for (int d = 0; d < 3; ++d)
-                b.col(3 + d) += its * drawn[d];
+                b.col(3 + d) += otherWeight * drawn[d];
         }
     }
 }
@@ -164,10 +164,10 @@ void FitSystem::AddSamples(Index row, const std::vector<Pull> &pull, const std::
             const Index column = unknown[std::size_t(samples.term[t].node)];
             if (column < row)
                 continue;
-            const Eigen::Vector4d its = samples.term[t].weight * arm[t].homogeneous();
+            const Eigen::Vector4d otherArm = samples.term[t].weight * arm[t].homogeneous();
             MatrixOf<12> &b = block[std::size_t(place[column])];
             for (Eigen::Index e = 0; e < 4; ++e)
-                b.middleCols<3>(3 * e) += its[e] * drawn;
+                b.middleCols<3>(3 * e) += otherArm[e] * drawn;
         }
     }
 }
@@ -298,12 +298,12 @@ void FitSystem::Assemble(const GraphPose &pose, const std::vector<Pull> &pull, c
             block.assign(beside[a].size(), MatrixOf<N>::Zero());
             for (std::size_t b = 0; b < beside[a].size(); ++b)
                 place[std::size_t(beside[a][b])] = Index(b);
-            VectorOf<N> its = VectorOf<N>::Zero();
-            AddSamples(Index(a), pull, place, block, its);
-            AddEdges(Index(a), pose, stiffness, place, block, its);
+            VectorOf<N> ownGradient = VectorOf<N>::Zero();
+            AddSamples(Index(a), pull, place, block, ownGradient);
+            AddEdges(Index(a), pose, stiffness, place, block, ownGradient);
             // Nodes without edges and samples stay.
             block[0].diagonal().array() += 1e-12;
-            gradient.segment<N>(Eigen::Index(N * a)) = its;
+            gradient.segment<N>(Eigen::Index(N * a)) = ownGradient;
             system.matrix.diagonal[a] = block[0];
             std::copy(block.begin() + 1, block.end(), system.matrix.beside.begin() + std::ptrdiff_t(begin[a]));
         }

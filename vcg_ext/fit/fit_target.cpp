@@ -90,8 +90,7 @@ FitTarget::FitTarget(const SurfaceView &target, const std::function<Eigen::Vecto
         leftOut = part.leftOut;
         if (weightOf && !part.any)
             throw BadInput("The weights of the " + name +
-                           " are 0 all over, so nothing of it can be matched. Raise them "
-                           "where it counts, up to 1.");
+                           " are 0 everywhere, so nothing can be matched. Raise them where it counts, up to 1.");
         std::size_t i = 0;
         while (i < part.view.vertexSlots && part.view.IsDeleted(i))
             ++i;
@@ -194,9 +193,9 @@ void FitTarget::ReadPoints(const SurfaceView &target, const std::function<Eigen:
             position.col(Eigen::Index(i)) = toFrame * target.At(i);
             if (weightOf)
                 weight[i] = float(weightOf(i));
-            if (const Eigen::Vector3d its = normalOf ? Eigen::Vector3d(turn * normalOf(i)) : Eigen::Vector3d::Zero();
-                normalOf && its.allFinite())
-                normal.col(Eigen::Index(i)) = its.stableNormalized().cast<float>();
+            if (const Eigen::Vector3d turned = normalOf ? Eigen::Vector3d(turn * normalOf(i)) : Eigen::Vector3d::Zero();
+                normalOf && turned.allFinite())
+                normal.col(Eigen::Index(i)) = turned.stableNormalized().cast<float>();
             moments.Add(position.col(Eigen::Index(i)), 1);
         }
 }
@@ -246,15 +245,15 @@ std::vector<FitTarget::Match> FitTarget::Places(std::size_t wanted) const {
         for (const Corners &c : place->Triangles())
             all += area(c);
         for (const Corners &c : place->Triangles()) {
-            const double its = area(c);
-            passed += its;
+            const double size = area(c);
+            passed += size;
             while (passed * double(wanted) >= (double(places.size()) + 0.5) * all) {
                 const std::size_t k = places.size();
                 std::size_t corner = k % 3; // in a small triangle, a corner; one on a border if there is one
                 for (std::size_t i = 0; i < 3 && !IsBorder(c[corner]); ++i)
                     corner = IsBorder(c[i]) ? i : corner;
                 double u = corner == 1 ? 1 : 0, v = corner == 2 ? 1 : 0;
-                if (its * double(wanted) > all) { // in a large one, a point of an even sequence (Roberts' R2)
+                if (size * double(wanted) > all) { // in a large one, a point of an even sequence (Roberts' R2)
                     double whole;
                     u = std::modf(0.5 + 0.7548776662466927 * double(k), &whole);
                     v = std::modf(0.5 + 0.5698402909980532 * double(k), &whole);

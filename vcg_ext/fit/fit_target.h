@@ -80,7 +80,7 @@ class FitTarget {
         bool IsLine() const { return !(acrossLine > none); } ///< or a point
     };
     Shape Spans() const;
-    std::vector<Curve> curves;                      ///< as of FitGoal, but frame units
+    std::vector<Curve> curves;                      ///< as in FitGoal, but frame units
     std::size_t LeftOut() const { return leftOut; } ///< vertices with a coordinate that is not finite
 
     /// About \p wanted points of the target: of triangles, points that stand for the same area each.

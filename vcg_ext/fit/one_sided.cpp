@@ -39,9 +39,9 @@ class Fans {
             *std::min_element(own.begin(), own.end(), [&](Index a, Index b) { return Size(a) < Size(b); });
         std::sort(own.begin(), own.end());
         for (const std::uint32_t *other = First(rare); *other < t; ++other) { // ascending
-            Corners its = triangle[*other];
-            std::sort(its.begin(), its.end());
-            if (its == own)
+            Corners earlier = triangle[*other];
+            std::sort(earlier.begin(), earlier.end());
+            if (earlier == own)
                 return true;
         }
         return false;
@@ -55,9 +55,9 @@ class Fans {
         for (const std::uint32_t *other = First(rare); other != Last(rare); ++other) {
             if (*other == t)
                 continue;
-            const Corners &its = triangle[*other];
+            const Corners &corners = triangle[*other];
             for (std::size_t k = 0; k < 3; ++k) {
-                const Index a = its[k], b = its[(k + 1) % 3];
+                const Index a = corners[k], b = corners[(k + 1) % 3];
                 if ((a != from || b != to) && (a != to || b != from))
                     continue;
                 if (found != t)
@@ -118,13 +118,13 @@ void MakeOneSided(const Eigen::Matrix3Xd &position, std::vector<Corners> &triang
                 const std::uint32_t other = fans.Beside(t, triangle[t][k], triangle[t][(k + 1) % 3], against);
                 if (other == t)
                     continue;
-                const char its = against ? char(kept + turned - side[t]) : side[t];
+                const char expected = against ? char(kept + turned - side[t]) : side[t];
                 isMixed = isMixed || against;
                 if (side[other] == unknown) {
-                    side[other] = its;
+                    side[other] = expected;
                     piece.push_back(other);
                 }
-                hasSides = hasSides && side[other] == its;
+                hasSides = hasSides && side[other] == expected;
             }
         }
         if (!isMixed || !hasSides) {
@@ -135,9 +135,9 @@ void MakeOneSided(const Eigen::Matrix3Xd &position, std::vector<Corners> &triang
         double area[3] = {};
         Eigen::Vector3d middle = Eigen::Vector3d::Zero();
         for (std::uint32_t t : piece) {
-            const double its = across(t).norm();
-            area[static_cast<unsigned char>(side[t])] += its;
-            middle += its * (at(t, 0) + at(t, 1) + at(t, 2)) / 3;
+            const double size = across(t).norm();
+            area[static_cast<unsigned char>(side[t])] += size;
+            middle += size * (at(t, 0) + at(t, 1) + at(t, 2)) / 3;
         }
         const double all = area[kept] + area[turned];
         middle /= all;

@@ -51,15 +51,15 @@ struct Flux {
 using TensorVector = Eigen::Matrix<double, 6, 1>;
 TensorVector ToVector(const Eigen::Matrix3d &t);
 
-/// Corrects the weights of a graph of k nodes: in every direction, a node's edges shall carry as much as its surface.
+/// Corrects the weights of a graph of k nodes, so that in every direction a node's edges carry as much as its surface.
 ///
 /// A weight stands for the flux along its edge. If a border stands askew to its edge, this is wrong: patches of a few
 /// vertices lie like bricks in a wall, and get too much along the bricks and too little across. The right amount
 /// follows from the whole border of patch i: G_i = sum_j f_ij (m_ij - c_i)^T is the integral of the projector to the
 /// surface over the patch (divergence theorem). It should be 1/2 sum_j w_ij e_ij e_ij^T, which holds exactly with one
-/// vertex a patch. (An edge to a held patch counts in full, since it ends at the border.) Each node asks for weights
-/// w (1 + e^T M e / |e|^2), with the symmetric M that makes it so; an edge gets the mean of what its two ends ask for.
-/// This is done once: G_i of a single patch is noisy, and further rounds would fit the noise.
+/// vertex a patch. (An edge to a held patch counts in full, since it ends at the border.) Each node asks for the
+/// weights w (1 + e^T M e / |e|^2); its symmetric M makes the two sums equal. An edge gets the mean of the weights that
+/// its ends ask for. This is done once: G_i of a single patch is noisy, and further rounds would fit the noise.
 /// \param edge 3 x adjacency items, from neighbour j to i \param held k flags
 /// \param weight of each adjacency item, symmetric; in, out
 void MatchTensors(const Graph &graph, const Eigen::Matrix3Xf &edge, const std::vector<char> &held,

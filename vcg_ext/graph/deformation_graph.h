@@ -36,9 +36,9 @@ DeformationGraph MakeDeformationGraph(const Graph &surface, const std::vector<In
                                       const std::vector<float> &area, const Patches &patches, GraphWeights weights,
                                       const Progress &progress = {}, const ShapeConstants &shape = {});
 
-/// Adds patches of the held nodes (tag other than 1) that have a free neighbour. Those of one tag whose nearest free
-/// neighbour is in the same free patch form one patch, which faces it. Beside a patch of a single node, each held node
-/// is a patch.
+/// Adds patches of the held nodes (tag other than 1) that have a free neighbour. Held nodes form one patch if they have
+/// one tag and their nearest free neighbours are in one free patch. Beside a patch of a single node, each held node is
+/// a patch.
 void AddHeldPatches(const Graph &surface, const std::vector<Index> &tag, Patches &patches,
                     const Progress &progress = {});
 

@@ -54,9 +54,9 @@ struct Motion {
 /// - how far each motion moves \p center (Motion::At).
 ///
 /// While one motion moves the center, the other motions turn it, too, by a share of their turns: 2 a b / (a^2 + b^2),
-/// or 0 if that is negative, where a and b are the vectors from the center to the nearest places on both axes. So turns
-/// about one axis keep the center on its circle. A shift, or a turn about the center itself, has no share. One motion
-/// alone is what At gives.
+/// at least 0. The vectors a and b lead from the center to the nearest places on both axes. So turns about one axis
+/// keep the center on its circle. A shift, or a turn about the center itself, has no share. One motion alone is what At
+/// gives.
 /// \param motions with their percentages \param center of the handle at rest, mesh units
 /// \return the blended motion, whole; only its end is meant: At of less than 100 percent is no blend
 /// \throw BadInput a number is no longer finite

@@ -38,7 +38,8 @@ void Check(const Eigen::Matrix3Xd &points) {
             throw BadInput("Points " + std::to_string(i) + " and " + std::to_string(i + 1) +
                            " of the line are at one place. Leave one of them out.");
     if ((points.col(n - 1) - points.col(0)).stableNorm() <= atOnePlace * length)
-        throw BadInput("The line is closed: its last point is at its first. Open it where it is to be cut.");
+        throw BadInput(
+            "The line is closed: its last point is at its first. Open it: leave out points where you want to cut it.");
 }
 
 } // namespace

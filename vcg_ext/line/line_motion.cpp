@@ -108,7 +108,7 @@ LineMotion MotionTo(const LineGoal &goal) {
     try {
         return LineMotion(std::move(line), FramedLine(goal.target, goal.smoothing), length);
     } catch (const BadInput &error) {
-        throw BadInput("Of the line that it goes to: " + std::string(error.what()));
+        throw BadInput("The target line is wrong. " + std::string(error.what()));
     }
 }
 

@@ -65,7 +65,7 @@ FramedLine ArcInPlaceOf(const FramedLine &line, double length, const ArcParam &p
 /// A line, and where it is moved to; world units.
 struct LineGoal {
     Eigen::Matrix3Xd line;   ///< 3 x n, points in order
-    double smoothing = 0;    ///< as of FramedLine; of both lines
+    double smoothing = 0;    ///< as in FramedLine; of both lines
     Eigen::Matrix3Xd target; ///< 3 x m, points of the other line; empty: an arc
     ArcParam arc;
     double length = 0;    ///< on the other line; 0: as before

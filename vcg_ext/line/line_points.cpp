@@ -25,12 +25,12 @@ std::vector<Index> PathOfEdges(std::vector<std::array<Index, 2>> edge, const std
         if (others.size() > 2)
             throw BadInput(name + " has a branch at vertex " + std::to_string(vertex) + ", where " +
                            std::to_string(others.size()) +
-                           " edges meet: a line has none. Delete what does not belong to it.");
+                           " edges meet: a line has no branches. Delete the edges that do not belong to it.");
         if (others.size() == 1)
             ends.push_back(vertex);
     }
     if (ends.empty())
-        throw BadInput(name + " is closed: its edges form a ring. Delete one where it is to be cut.");
+        throw BadInput(name + " is closed: its edges form a ring. Delete an edge where you want to cut it.");
     std::vector<Index> path(1, ends.front());
     for (Index before = ends.front(), at = beside.at(before).front();;) {
         path.push_back(at);
@@ -42,9 +42,8 @@ std::vector<Index> PathOfEdges(std::vector<std::array<Index, 2>> edge, const std
         at = next;
     }
     if (path.size() < beside.size())
-        throw BadInput(name + " has several lines that nothing joins: the first has " + std::to_string(path.size()) +
-                       " of the " + std::to_string(beside.size()) +
-                       " vertices with edges. Keep the one that is meant.");
+        throw BadInput(name + " has several separate lines: the first has " + std::to_string(path.size()) + " of the " +
+                       std::to_string(beside.size()) + " vertices with edges. Keep only the line that you need.");
     return path;
 }
 

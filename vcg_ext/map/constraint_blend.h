@@ -17,12 +17,12 @@
 
 namespace vcg::fcd {
 
-/// Weights by which the blend of the graph's motions passes over into the motions of held regions, at the free nodes of
-/// the surface near these.
+/// At the free nodes of the surface near held regions: the weights by which the blend of the graph's motions passes
+/// over into the motions of these regions.
 class ConstraintBlend {
   public:
-    /// The most regions of a node: the nearest ones. If there are more, as where each vertex is a handle of its own,
-    /// shares fall to 0 at the distance of the first one left out, so that they change continuously.
+    /// The most regions of a node: the nearest ones. If there are more (each vertex may be a handle), shares fall to 0
+    /// at the distance of the next region, so that they change continuously.
     static constexpr std::size_t most = 8;
 
     /// A held region near a free node.

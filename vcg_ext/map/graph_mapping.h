@@ -86,7 +86,7 @@ class GraphMapping {
         /// \param node of each vertex \param linear whether to set their linear maps, too
         void Map(const Index *node, int count, bool linear, Scratch &scratch) const;
 
-        /// Parameters as of At.
+        /// Parameters as in At.
         Posed(const GraphMapping &mapping, const GraphPose &pose, const std::map<Index, Eigen::Affine3d> &inFrame,
               const Frame &frame, unsigned threads);
         Posed(const Posed &) = delete;
@@ -108,9 +108,9 @@ class GraphMapping {
         std::vector<Eigen::Matrix3f> unstretched; // of each: inverse of its stretch; empty unless the pose is affine
         std::vector<detail::PatchMotion> own;     // of each node of the graph
         std::vector<Eigen::Matrix3f> nodeStrain;  // of each: stretch minus identity
-        /// detail::terms numbers of each candidate, frame units: the columns of the 3 x 4 affine map by which its
-        /// motion differs from that of the patch's node, about the patch's centre; the vector from that centre to its
-        /// own; 1.
+        /// detail::terms numbers of each candidate, frame units: the difference of its affine map from that of the
+        /// patch's node, about the patch's centre (3 x 4, column by column); the vector from the patch's centre to the
+        /// candidate's; 1.
         std::vector<float> term;
         detail::Space space;
     };

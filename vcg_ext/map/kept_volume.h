@@ -25,7 +25,7 @@ class KeptVolume {
   public:
     using Face = std::array<Index, 3>;
 
-    /// \param faces with a free node, as nodes of \p surface \param tag of each node, as of HeldNodes
+    /// \param faces with a free node, as nodes of \p surface \param tag of each node, as in HeldNodes
     KeptVolume(const std::vector<Face> &faces, const Graph &surface, const std::vector<Index> &tag,
                const Patches &patches);
 

@@ -53,7 +53,7 @@ struct PatchMotion {
 struct Space {
     double toFrame[9], fromFrame[9];    ///< of vectors
     bool isSame;                        ///< the metric is the identity
-    double metric[9], inverseMetric[9]; ///< as of Frame
+    double metric[9], inverseMetric[9]; ///< as in Frame
 };
 
 /// Vertices of one patch that are mapped together, mesh units.

@@ -82,11 +82,10 @@ std::vector<Index> NearestNodes(const PositionsRef &rest, const SurfaceGraph &su
     }
     if (2 * placed < k) {
         std::ostringstream message;
-        message
-            << "Only " << placed << " of the " << k << " given nodes lie on the surface (within "
-            << tooFar * surface.frame.scale
-            << " of a vertex): they seem to belong to another mesh, or to this one in another place. Give the graph "
-               "of this mesh, move it to where the mesh is, or let a graph be built.";
+        message << "Only " << placed << " of the " << k << " given nodes lie on the surface (within "
+                << tooFar * surface.frame.scale
+                << " of a vertex): they seem to belong to another mesh, or to this one in another place. Give the "
+                   "graph of this mesh, move it to where the mesh is, or give none.";
         throw BadInput(message.str());
     }
     return node;

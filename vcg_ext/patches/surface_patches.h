@@ -18,7 +18,7 @@ struct GraphParam {
     double targetRadius = 0; ///< D, world units, >= 0; 0 = 0.75 sqrt(area / Patches()), of the area that can bend
     int initialPatches = 0;  ///< k0, >= 1; 0 = Patches(), and automatic in a Deformer (PatchesFor)
     int maxIterations = 100; ///< >= 1
-    double tolerance = 1e-3; ///< as of PatchParam, [0, 1)
+    double tolerance = 1e-3; ///< as in PatchParam, [0, 1)
     unsigned randomSeed = 1;
     PatchMeasure measure = PatchMeasure::Area;
 
@@ -33,7 +33,7 @@ struct GraphParam {
 double TargetRadius(const SurfaceGraph &surface, const GraphParam &param, double patchRadius);
 
 /// SamplePatches of the nodes of tag 1 (without tags: all). \param D frame units, > 0 \param rough as in PatchParam
-/// \param kept as of SamplePatches
+/// \param kept as in SamplePatches
 Patches SampleSurface(const SurfaceGraph &surface, const std::vector<Index> &tag, const GraphParam &param, double D,
                       const Progress &progress, bool rough = false, KeptClusters *kept = nullptr);
 

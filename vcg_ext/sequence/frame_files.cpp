@@ -39,8 +39,8 @@ void WriteRows(const WriteAt &write, std::uint64_t at, const PackedSurface &surf
                 Eigen::Map<Eigen::Vector3f>(numbers.data() + 3 * i) = row(surface.slot[first + i]);
         });
         if (!Eigen::Map<const Eigen::ArrayXf>(numbers.data(), Eigen::Index(3 * (last - first))).isFinite().all())
-            throw BadInput("The file holds coordinates up to 3e38, in single precision, and a vertex is farther away. "
-                           "Scale the scene, or leave that mesh out.");
+            throw BadInput("A vertex is farther away than single precision allows in this file (3e38). Scale the "
+                           "scene, or leave that mesh out.");
         write(at + 12 * std::uint64_t(first), reinterpret_cast<const char *>(numbers.data()), 12 * (last - first));
     }
 }
@@ -50,8 +50,8 @@ std::vector<float> SingleTimes(const std::vector<double> &time, const std::strin
     std::transform(time.begin(), time.end(), seconds.begin(), [](double each) { return float(each); });
     if (std::adjacent_find(seconds.begin(), seconds.end(), std::greater_equal<float>()) != seconds.end())
         throw BadInput("A " + ending +
-                       " file holds times in single precision, in which some frames would be at the "
-                       "same time. Let the first key frame be nearer to 0 s.");
+                       " file has single-precision times, in which some frames would be at the same time. Move the "
+                       "first key frame nearer to 0 s.");
     return seconds;
 }
 

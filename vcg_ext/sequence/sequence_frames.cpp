@@ -225,7 +225,7 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
     const std::vector<double> time = FrameTimes(sequence, output.rate);
     const std::vector<Stop> stops = StopsOf(sequence, output.rate, frames, bool(output.keyFrame));
     if (stops.empty())
-        throw BadInput("There is nothing to make of the poses. Give key frames, and a file or layers to make.");
+        throw BadInput("There is nothing to make from the poses. Give key frames, and a file or layers to make.");
     SequenceSolver solver(deformer, handles.world, motions, param);
     SequenceReport report;
     Eigen::Matrix3Xd position;

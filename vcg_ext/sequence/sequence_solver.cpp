@@ -11,7 +11,7 @@ SequenceSolver::SequenceSolver(const Deformer &deformer, const Eigen::Affine3d &
     : deformer(deformer), pose(std::move(pose)), param(param), world(world) {
     if (!deformer.point.empty())
         throw BadInput(
-            "A pose sequence moves handles alone, but this surface is prepared with points. Prepare it without them.");
+            "A pose sequence moves only handles, but this surface is prepared with points. Prepare it without them.");
     Handles handles;
     handles.world = world;
     for (const std::map<int, Motion> &each : this->pose) {

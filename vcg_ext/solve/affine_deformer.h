@@ -30,7 +30,7 @@ namespace vcg::fcd {
 /// (the best rotations) alternate, accelerated, from the initial guess of GraphDeformer.
 class AffineDeformer {
   public:
-    /// Parameters as of GraphDeformer. \param solver rigidity < 1; all poses have its rigidity and smoothness
+    /// Parameters as in GraphDeformer. \param solver rigidity < 1; all poses have its rigidity and smoothness
     /// \throw Unsolvable if the system cannot be factorised, or takes too long \throw Cancelled
     AffineDeformer(const DeformationGraph &graph, const std::vector<bool> &constrained, double area,
                    const std::vector<bool> &compliant, const std::vector<double> &heldArea, double heldDepth,

@@ -76,7 +76,7 @@ class GraphEnergy {
         }
     };
 
-    /// \param heldArea k values, or empty for 0 \param heldDepth both as of GraphDeformer
+    /// \param heldArea k values, or empty for 0 \param heldDepth both as in GraphDeformer
     GraphEnergy(const DeformationGraph &graph, const GraphUnknowns &unknown, const std::vector<double> &heldArea,
                 double heldDepth)
         : graph(graph), unknown(unknown), heldArea(heldArea), heldDepth(heldDepth) {

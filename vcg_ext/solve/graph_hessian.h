@@ -13,7 +13,7 @@
 
 namespace vcg::fcd::detail {
 
-/// The Hessian of the energy, factorised. Each node with an unknown has a block of six, as of GraphEnergy::Gradient.
+/// The Hessian of the energy, factorised. Each node with an unknown has a block of six, as in GraphEnergy::Gradient.
 /// The step of a given position is 0.
 class GraphHessian {
   public:

@@ -56,9 +56,10 @@ class GraphLaplacian {
         laplacian.setFromTriplets(square.begin(), square.end());
         SparseFactor harmonic;
         if (!harmonic.Analyse(laplacian, SparseFactor::most))
-            throw Unsolvable("The deformation graph of " + std::to_string(k) +
-                             " nodes takes minutes to solve: its surface joins everything with everything, as faces " +
-                             "between vertices at random do. Leave such faces out, or take fewer patches.");
+            throw Unsolvable(
+                "The deformation graph of " + std::to_string(k) +
+                " nodes takes minutes to solve: its faces join far places of the surface, as random faces do. "
+                "Leave such faces out, or take fewer patches.");
         // The bi-Laplacian joins all neighbours of a node with each other. If a node has thousands of them, or edges
         // are random, the Laplacian takes its place.
         double joined = 0;

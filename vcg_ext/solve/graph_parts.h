@@ -35,7 +35,7 @@ class PartsDeformer {
     PartsDeformer &operator=(const PartsDeformer &) = delete;
 
     /// Poses the graph. A part without a moving constraint stays at rest.
-    /// \param constraints as at construction, with the motions \param last, lastMotion as of GraphDeformer::Solve
+    /// \param constraints as at construction, with the motions \param last, lastMotion as in GraphDeformer::Solve
     GraphPose Solve(const NodeConstraints &constraints, const SolverParam &param, const Progress &progress = {},
                     const GraphPose *last = nullptr, const std::vector<Eigen::Affine3d> &lastMotion = {}) const;
 

@@ -26,9 +26,9 @@ struct GraphPose {
     bool unstable = false; ///< with SolverParam::follow: whether it is a saddle, and would buckle
 };
 
-/// Replaces the rotations of \p pose by the linear maps that fit the posed edges of the graph best (least squares), so
-/// that the surface stretches evenly, as the graph does. What the edges leave open, across the surface, remains that of
-/// the rotation.
+/// Replaces the rotations of \p pose by linear maps, so that the surface stretches evenly, as the graph does. They fit
+/// the posed edges of the graph best (least squares). The edges leave the direction across the surface open: there, the
+/// map is the rotation.
 /// \param isGiven k flags: nodes whose rotation is given; they are not changed
 /// \param openness as in ShapeConstants
 void FitLinear(const DeformationGraph &graph, const std::vector<bool> &isGiven, GraphPose &pose,

@@ -6,9 +6,8 @@ namespace vcg::fcd {
 
 /// How the graph is deformed (paper, sec. 2.2).
 struct SolverParam {
-    /// alpha of Eq. 2, >= 0: the higher, the more evenly bending and twist are spread. The default is that of SR-ARAP
-    /// in CGAL, which has 0.02 A / 6 at each of the six edges of a regular triangulation, where the weights are
-    /// 1/sqrt(3).
+    /// alpha of Eq. 2, >= 0: the higher, the more evenly bending and twist spread. The default equals that of SR-ARAP
+    /// in CGAL: 0.02 A / 6 at each of the six edges of a regular triangulation, whose weights are 1/sqrt(3).
     double smoothness = 0.0058;
     /// r, [0, 1]. Below 1, a node's map is affine (AffineDeformer): deviation from a rotation costs r / (1 - r) times
     /// the stretch of its edges. At 0, only differences between neighbours' maps cost, as with a thin-plate spline;

@@ -51,9 +51,9 @@ void ForSamples(const RegionDeformer &deformer, const Eigen::Affine3d &world, co
 }
 
 /// The length of the line over which the middle of each bin's cross-section is averaged, in bins: the distance of the
-/// surface from the line. So a plane that is slightly tilted in a wide part averages over nearly all of that part, and
-/// the middle is not drawn to one side. Beside a wide part, scales fall by half of the distance. \param reach distance
-/// of the surface at each bin, in bins \param least scale
+/// surface from the line. In a wide part, even a tilted cross-section then averages over nearly the whole part, and the
+/// middle is not drawn to one side. Beside a wide part, scales fall by half of the distance. \param reach distance of
+/// the surface at each bin, in bins \param least scale
 std::vector<double> ScalesOf(std::vector<double> reach, double least) {
     for (double &each : reach)
         each = std::clamp(each, least, mostSmoothing * double(reach.size()));
@@ -199,8 +199,8 @@ Eigen::Matrix3Xd MiddleOf(const RegionDeformer &deformer, const Eigen::Affine3d 
                 found.emplace_back(on.col(b) + way - way.dot(along) * along + axes * across.col(b));
             }
         if (!(all > 0) || found.size() < bins / 2)
-            throw BadInput("The surface has cross-sections at too few places of the line to find its middle. Give a "
-                           "line along it, or one through its middle.");
+            throw BadInput("The surface has too few cross-sections along the line to find its middle. Give a line "
+                           "along it, or one through its middle.");
         points.resize(3, Eigen::Index(found.size()) + 2);
         for (std::size_t i = 0; i < found.size(); ++i)
             points.col(Eigen::Index(i) + 1) = found[i];
@@ -240,8 +240,8 @@ LineMotion::TwistAt TwistOf(const RegionDeformer &deformer, const Eigen::Affine3
         all += its.round - its.weight * std::norm(middle);
     }
     if (!(plain > 0.1 * all)) // axes of 10 : 9, as scans of round bodies have by chance
-        throw BadInput("The cross-sections are as good as round, so they have no longest axis that tells how they are "
-                       "twisted. Leave the twist as it is.");
+        throw BadInput(
+            "The cross-sections are nearly round, so no longest axis shows their twist. Leave the twist as it is.");
     std::vector<double> angle, weight;
     double last = 0;
     for (const Complex &each : moment) {

@@ -213,8 +213,8 @@ class CloudNeighbourhood {
         return around.empty() ? 1 : values[1] / values[2];
     }
 
-    /// Chooses the point's Delaunay neighbours in its plane: those whose bisector cuts its Voronoi cell. Then the
-    /// points that come nearest to that, by the distance of the bisector over the reach of the cell.
+    /// Chooses the point's Delaunay neighbours in its plane: the points whose bisector cuts its Voronoi cell. Then, up
+    /// to \p wanted, the points whose bisectors come nearest to the cell (distance over the reach of the cell).
     void Choose(std::size_t wanted) {
         const Eigen::Matrix3d axes = SymmetricEigen(Moments()).Vectors();
         const Eigen::Vector3d along = axes.col(2), across = axes.col(1);

@@ -21,7 +21,7 @@ namespace vcg::fcd::detail {
 /// The points of a cloud, sorted into cells, so that a region is read from the points around it alone.
 class CloudParts {
   public:
-    /// \param mesh must outlive this \param isLive isLive(slot): the point is read \param metric as of Frame
+    /// \param mesh must outlive this \param isLive isLive(slot): the point is read \param metric as in Frame
     /// \pre some point is live
     template <class IsLive>
     CloudParts(const SurfaceView &mesh, const IsLive &isLive, const Eigen::Matrix3d &metric, const Progress &progress)
@@ -93,7 +93,7 @@ class CloudParts {
         return found;
     }
 
-    Eigen::AlignedBox3d places; ///< as of CloudPart
+    Eigen::AlignedBox3d places; ///< as in CloudPart
 
   private:
     using Cell = Eigen::Array3i;

@@ -57,7 +57,7 @@ class RegionFinder {
     }
 
     /// Marks as reached the free points of a cloud, and the places looked at to find their neighbours. Points a hair
-    /// apart are one place. \param given metric \param of as of FreeRegion
+    /// apart are one place. \param given metric \param of as in FreeRegion
     void ReachNearest(const Eigen::Matrix3d &given, const CloudPart &of, const Progress &progress) {
         Frame world;
         world.SetMetric(given);
@@ -278,7 +278,7 @@ class RegionFinder {
                     });
     }
 
-    /// An upper bound of the distance from a free place to the places that are looked at. Parameters as of ReachAround.
+    /// An upper bound of the distance from a free place to the places that are looked at. Parameters as in ReachAround.
     static double ReachOf(const Eigen::Matrix3Xd &point, const char *has, const Progress &progress) {
         const std::size_t wanted = detail::CloudNeighbourhood<double>::most + 1; // and the place itself
         const PointTree<double> blocks(point, progress.threads);

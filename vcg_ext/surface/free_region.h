@@ -18,8 +18,8 @@ struct Region {
     static constexpr unsigned char none = 0, part = 1, candidate = 2;
     std::vector<unsigned char> flag;  ///< of each slot. part: free, or held beside a free one; candidate: held, and a
                                       ///< part if it has the position of a part
-    std::vector<std::uint32_t> faces; ///< as of SurfaceGraph
-    std::vector<std::array<std::uint32_t, 2>> apart; ///< as of SurfaceGraph
+    std::vector<std::uint32_t> faces; ///< as in SurfaceGraph
+    std::vector<std::array<std::uint32_t, 2>> apart; ///< as in SurfaceGraph
     static constexpr std::size_t boxed = 1 << 12;
     std::vector<Eigen::AlignedBox3d> box; ///< of the positions of each \p boxed slots, mesh units
     /// Of a part of a cloud: points farther than this from all free points change nothing, world units. Infinity: there
@@ -38,7 +38,7 @@ struct CloudPart {
 
 /// The free vertices (\p tag 1) that have a neighbour, and the held ones beside them. Vertices of tag noVertex are left
 /// out.
-/// \param metric as of Frame \param of what \p mesh is a part of, if it is a part of a cloud
+/// \param metric as in Frame \param of what \p mesh is a part of, if it is a part of a cloud
 /// \throw BadInput a coordinate is not finite
 Region FreeRegion(const SurfaceView &mesh, const std::vector<int> &tag,
                   const Eigen::Matrix3d &metric = Eigen::Matrix3d::Identity(), const Progress &progress = {},

@@ -20,7 +20,7 @@ namespace {
 /// The places of a surface that loose parts follow: a sample of its vertices, so dense that neighbours move alike.
 class Places {
   public:
-    /// \param position 3 x slots, mesh units \param slotTag as of FindLoose \param isPlace isPlace(slot): it may be one
+    /// \param position 3 x slots, mesh units \param slotTag as in FindLoose \param isPlace isPlace(slot): it may be one
     template <class IsPlace>
     Places(const PositionsRef &position, const std::vector<int> &slotTag, const Frame &frame, const IsPlace &isPlace)
         : frame(frame) {

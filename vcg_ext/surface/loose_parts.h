@@ -22,7 +22,7 @@ struct LooseSurface {
 };
 
 /// The free surface of a mesh and the held vertices beside it; only its reach if it is more than \p of.reach.
-/// \param tag, of as of FreeRegion
+/// \param tag, of as in FreeRegion
 /// \throw BadInput as FreeRegion and BuildSurfaceGraph
 SurfaceGraph ReadFreeSurface(const SurfaceView &mesh, const std::vector<int> &tag, const Eigen::Matrix3d &metric,
                              const Progress &progress, double weldDistance = defaultWeldDistance,

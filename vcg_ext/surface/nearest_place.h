@@ -62,9 +62,9 @@ class NearestPlace {
     SurfacePlace operator()(const Eigen::Vector3d &p, Hint &hint) const { return Find(p, hint, nullptr); }
 
     /// The same for a point of another sampling of the same shape, such as a thinned one. If the nearest triangle faces
-    /// away from \p normal, as the opposite wall of a fold does, the nearest one that faces along it is used, if it is
-    /// at most half an edge farther away: two triangulations of a surface, whose neighbouring triangles turn by less
-    /// than 90 degrees, are nearer to each other than that.
+    /// away from \p normal (the opposite wall of a fold), this takes the nearest one that faces along \p normal, at
+    /// most half an edge farther away. Two triangulations of a surface are nearer to each other than that if
+    /// neighbouring triangles turn by less than 90 degrees.
     /// \param normal any length
     SurfacePlace operator()(const Eigen::Vector3d &p, Hint &hint, const Eigen::Vector3d &normal) const {
         return Find(p, hint, &normal);
@@ -88,7 +88,7 @@ class NearestPlace {
         return 4 * against < along ? 1 : 4 * along < against ? -1 : 0;
     }
 
-    /// Slots of the corners of the triangles, as of construction. \pre there are some
+    /// Slots of the corners of the triangles, as in construction. \pre there are some
     const std::vector<std::array<Index, 3>> &Triangles() const;
 
   private:

@@ -88,9 +88,9 @@ inline CloudPairs PairNeighbours(const Eigen::Matrix3Xf &position, float hair, b
     return pairs;
 }
 
-/// The graph with an edge between two points if either is a neighbour of the other. What a held point has for
-/// neighbours depends on how many points around it are read, so between a free and a held point only those of the free
-/// one count.
+/// The graph with an edge between two points if either is a neighbour of the other. The neighbours of a held point
+/// depend on how many points around it are read. So between a free and a held point, only the free one's neighbours
+/// count.
 /// \param isHeld isHeld(point) \throw BadInput more edges than indices can number
 template <class IsHeld>
 Csr ConnectPoints(const Eigen::Matrix3Xf &position, const CloudPairs &pairs, const IsHeld &isHeld,
@@ -158,7 +158,7 @@ inline double EdgeLengths(const Graph &graph, unsigned threads) {
 
 /// Finds clumps of so many points that all neighbours are inside of them: components of the graph that are much smaller
 /// than their distance to the next one.
-/// \param componentOf, components as of ConnectedComponents
+/// \param componentOf, components as in ConnectedComponents
 /// \return pairs of points to weld; none unless most of the cloud's points are in clumps, since parts of a cloud that
 /// lie far apart are no clumps
 inline std::vector<std::pair<Index, Index>> ClumpsOf(const Eigen::Matrix3Xf &position,

@@ -21,8 +21,8 @@ namespace detail {
 
 constexpr float alongRounding = 2e-7f; // of positions on a line
 
-/// The nodes on open borders along a line: position on it and node, ascending. Of three oblique directions, the line
-/// has the one in which they reach farthest, so that few of them share a position.
+/// The nodes on open borders along a line: position on it and node, ascending. The line has one of three oblique
+/// directions: the one in which the nodes spread farthest, so that few share a position.
 inline std::vector<std::pair<float, Index>> BordersAlongLine(const Graph &graph, const std::vector<char> &open) {
     std::vector<std::pair<float, Index>> border;
     for (Index u = 0; u < graph.Size(); ++u)
@@ -57,7 +57,7 @@ struct Seams {
 
 /// Finds the nodes on open borders to weld: those within \p distance of each other, if one of them is free or both are
 /// held by one tag. (If held ones were not welded, a held region of unwelded triangles would have single nodes along
-/// its border.) \param open flag of each node: it is on an open border \param tag as of SurfaceGraph \param distance
+/// its border.) \param open flag of each node: it is on an open border \param tag as in SurfaceGraph \param distance
 /// units of the graph's positions, >= 0 \param beside flag of each node, or empty: it is welded to free ones only
 inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const std::vector<Index> &tag,
                        double distance, const Progress &progress = {}, const std::vector<char> &beside = {}) {
@@ -91,7 +91,7 @@ inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const 
 
 /// Counts the nodes on open borders that are nearer to another border's node than a tenth of the shortest edge of
 /// both, after seams are welded. One of the two is free. (Before, a corner of a long triangle would have long edges
-/// alone, and many nodes within a tenth of these.) \param open, tag as of FindSeams
+/// alone, and many nodes within a tenth of these.) \param open, tag as in FindSeams
 inline Index CountGaps(const Graph &graph, const std::vector<char> &open, const std::vector<Index> &tag,
                        const Progress &progress = {}) {
     struct Place {

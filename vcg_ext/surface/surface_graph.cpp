@@ -60,8 +60,8 @@ class SurfaceReader {
     bool IsBeside(std::size_t i) const { return !beside.empty() && beside[i]; }
     std::size_t Live() const { return chunks.Live(); }
 
-    /// What lies far outside is drawn nearer in each coordinate, so that squares of areas are still floats; the farther
-    /// stays farther, so that vertices stay apart.
+    /// Draws stray points nearer in each coordinate, so that squares of areas are still floats. It keeps their order,
+    /// so that vertices stay apart.
     Eigen::Vector3f InFrame(const Eigen::Vector3d &world) const {
         const double most = 1e8, finite = 1e300;
         Eigen::Vector3d x = s.frame.FromWorld(world);
@@ -171,7 +171,7 @@ class SurfaceReader {
     }
 
     /// Welds nodes on open borders a hair apart, and drops nodes of `beside` that are welded to no other one.
-    /// \param open flags as of TriangleGraph
+    /// \param open flags as in TriangleGraph
     /// \param list renumbered as the nodes; triangles with held nodes only become points
     /// \return whether nodes were dropped: then the triangles have to be connected again
     bool JoinSeams(std::vector<char> &open, TriangleList &list) {
@@ -262,7 +262,7 @@ class SurfaceReader {
         s.nodeArea.resize(nodes);
     }
 
-    /// Welds nodes; sets newIndex. \param into as of Seams \param leftOut flags of nodes, or empty: nodes that are
+    /// Welds nodes; sets newIndex. \param into as in Seams \param leftOut flags of nodes, or empty: nodes that are
     /// dropped unless another node is welded to them
     void JoinNodes(std::vector<Index> into, const std::vector<char> &leftOut) {
         Eigen::Matrix3Xf &x = s.graph.position;

@@ -54,7 +54,7 @@ struct SurfaceGraph {
     std::vector<float> nodeArea; ///< n, surface around each node, frame units^2
     double area = 0;             ///< sum of nodeArea
     double averageEdge = 0;      ///< mean length of the graph's edges, frame units
-    double reach = 0;            ///< as of Region
+    double reach = 0;            ///< as in Region
     SurfaceReport report;        ///< components is left 0
 
     bool IsHeld(Index u) const { return !tag.empty() && tag[u] != 1; }
@@ -68,7 +68,7 @@ struct SurfaceGraph {
 /// (CloudNeighbourhood); there, any points a hair apart share a node.
 ///
 /// \param region nullptr: all of the mesh \param tag one per vertex slot, read if there is a region
-/// \param metric as of Frame \param weldDistance a hair, frame units, [0, 1e-3]
+/// \param metric as in Frame \param weldDistance a hair, frame units, [0, 1e-3]
 /// \throw BadInput no vertices, a coordinate that is not finite, or too many edges \throw Cancelled
 SurfaceGraph BuildSurfaceGraph(const SurfaceView &mesh, const Region *region, const std::vector<int> &tag,
                                const Eigen::Matrix3d &metric = Eigen::Matrix3d::Identity(),

@@ -12,8 +12,8 @@ namespace vcg::fcd {
 
 namespace {
 
-/// The distance of v from a source that is \p du from u and \p dw from w, on the other side of their edge, in the plane
-/// of the triangle; infinity if the straight way does not cross the edge.
+/// The distance of v from a source, in the plane of the triangle. The source lies on the other side of the edge u w, \p
+/// du from u and \p dw from w. Infinity if the straight path does not cross the edge.
 double AcrossEdge(const Eigen::Vector3d &u, const Eigen::Vector3d &w, const Eigen::Vector3d &v, double du, double dw) {
     const double unknown = std::numeric_limits<double>::infinity(), length = (w - u).norm();
     if (!(length > 0))

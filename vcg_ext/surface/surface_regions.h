@@ -48,7 +48,7 @@ struct RegionSource {
     std::vector<std::uint32_t> faceOf; ///< of each face: its index in the whole mesh; empty: the same
     std::vector<std::size_t> point;    ///< slots of the point handles in it
     bool isOne = false;                ///< the free surface is one region, connected or not
-    CloudPart of;                      ///< as of FreeRegion
+    CloudPart of;                      ///< as in FreeRegion
 
     std::uint32_t InMesh(std::size_t slot) const { return slotOf.empty() ? std::uint32_t(slot) : slotOf[slot]; }
     /// The slot here of a slot of the whole mesh; the number of slots if it is not part of this.
@@ -56,7 +56,7 @@ struct RegionSource {
 };
 
 /// The part of a mesh for each of its regions. Of a cloud, only their point handles are set.
-/// \param surface as read from \p source \param tag as of FindComponents
+/// \param surface as read from \p source \param tag as in FindComponents
 std::vector<RegionSource> TakeRegions(const RegionSource &source, const SurfaceGraph &surface,
                                       const std::vector<Index> &tag, const SurfaceRegions &regions,
                                       const Progress &progress);

@@ -68,7 +68,7 @@ struct TriangleBlocks {
     }
 };
 
-/// The blocks of nodes [0, nodes). \param corner as of ConnectTriangles
+/// The blocks of nodes [0, nodes). \param corner as in ConnectTriangles
 inline TriangleBlocks SortIntoBlocks(Index nodes, const Index *corner, std::size_t triangles,
                                      const Progress &progress) {
     const std::size_t grain = 1 << 15, chunks = (triangles + grain - 1) / grain;

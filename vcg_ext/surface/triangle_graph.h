@@ -25,12 +25,12 @@ namespace vcg::fcd::detail {
 struct TriangleList {
     std::unique_ptr<Index[]> corner; ///< 3 x count nodes
     std::size_t count = 0;
-    Index degenerateFaces = 0; ///< as of SurfaceReport
+    Index degenerateFaces = 0; ///< as in SurfaceReport
 };
 
 /// The faces and edge elements of a mesh, except deleted ones, those with a vertex without a node, and those with held
 /// nodes only.
-/// \param faces indices of the faces to read; nullptr: all \param nodeOf as of SurfaceGraph \param isHeld isHeld(node)
+/// \param faces indices of the faces to read; nullptr: all \param nodeOf as in SurfaceGraph \param isHeld isHeld(node)
 template <class IsHeld>
 TriangleList ElementTriangles(const SurfaceView &mesh, const std::vector<std::uint32_t> *faces,
                               const std::vector<Index> &nodeOf, const IsHeld &isHeld, const Progress &progress) {

@@ -25,7 +25,7 @@ struct VertexChunks {
     std::size_t Live() const { return begin.back(); }
 };
 
-/// The slot of the k-th vertex that is read. \param begin as of VertexChunks \param isPart isPart(slot): it is read
+/// The slot of the k-th vertex that is read. \param begin as in VertexChunks \param isPart isPart(slot): it is read
 template <class IsPart>
 std::size_t SlotOf(std::size_t k, const std::vector<std::size_t> &begin, const IsPart &isPart) {
     const std::size_t c = std::size_t(std::upper_bound(begin.begin(), begin.end(), k) - begin.begin()) - 1;
@@ -80,7 +80,7 @@ inline double TakeUnit(const Eigen::AlignedBox3d &all, Eigen::AlignedBox3d &one,
     return unit;
 }
 
-/// Sets origin and scale of the frame by the vertices that are read, at least one. \param isPart as of FindVertices
+/// Sets origin and scale of the frame by the vertices that are read, at least one. \param isPart as in FindVertices
 template <class IsPart>
 void SetFrame(const SurfaceView &mesh, const VertexChunks &chunks, const IsPart &isPart, Frame &frame) {
     const Eigen::AlignedBox3d box = WithoutStrays(chunks.box, chunks.Live(), [&](std::size_t k) {

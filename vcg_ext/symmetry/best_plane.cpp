@@ -14,8 +14,8 @@ namespace {
 // diagonal count as equal.
 constexpr int roughDegree = 3, sketchDegree = 2;
 constexpr std::size_t roughPlaces = 500;
-// Where planes are many, as where nothing is symmetric, fewer points and a lower degree tell which ones are worth it:
-// the misfit of the right one is several times less than that of others.
+// If there are many planes, as on a shape without symmetry, a warp of fewer points and a lower degree chooses among
+// them: the misfit of the right one is several times less than that of others.
 constexpr std::size_t sketchPlaces = 100, finalPlanes = 10;
 constexpr double roughRest = 0.1; // a warp rests if a step moves places by less than a tenth of what is left
 constexpr double sureBy = 1.25, perfect = 1e-4;

@@ -13,8 +13,8 @@
 // of the same limb, like the fingers of a hand; balls of twice the size cut off others, like the head from a shoulder.
 const double largestBall = 1.5;
 
-// Least area of a tip that is another limb, over that of the largest tip, or of the core: a third as long and as thick.
-// Anything smaller, like an ear, goes along.
+// A tip is another limb if it has at least this share of the area of the largest tip, or of the core: a third as long
+// and as thick. Anything smaller, like an ear, goes along.
 const float otherLimb = 0.1f;
 
 const double coreSize = 0.5; // share of the radius that moves with a handle; the other half bends
@@ -28,10 +28,10 @@ const double nearestJoint = 0.25;
 // however large the radius.
 const double nearestJointOfEnd = 0.5;
 
-/// Tells which pieces beside a ball are tips of the limb at its middle: those that a ball of half the radius cuts off,
-/// or one up to largestBall times the smallest that cuts off any. \param ball nodes, nearest first \param distances of
-/// these, frame units \return also whether these tips are of one limb: as the ball shrinks, they meet each other
-/// before the rest
+/// Tells which pieces beside a ball are tips of the limb at its middle. These are the pieces that a ball of half the
+/// radius cuts off, or a ball up to largestBall times the smallest one that cuts off any piece. \param ball nodes,
+/// nearest first \param distances of these, frame units \return also whether these tips are of one limb: as the ball
+/// shrinks, they meet each other before the rest
 std::pair<std::vector<char>, bool> BendReach::tipsOfLimb(const Pieces &pieces, const std::vector<vcg::fcd::Index> &ball,
                                                          const std::vector<double> &distances) const {
     std::vector<char> isOfLimb(pieces.area.size(), 0);
@@ -223,7 +223,7 @@ const double leastGirth = 5. / 3;
 // Length of the part of the limb that the girth is measured on, behind the ball, over the ball's radius.
 const double lengthOfGirth = 1. / 3;
 
-// Least area of the tip behind the ball, over the square of the ball's radius: as of a tip half as long as it is thick.
+// Least area of the tip behind the ball, over the square of the ball's radius: as in a tip half as long as it is thick.
 // Anything smaller is a spike of a scan.
 const double leastArea = 0.5;
 

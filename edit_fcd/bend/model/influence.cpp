@@ -71,7 +71,7 @@ void Maker::bendAround(BendTags &made) {
             made[i] = 0;
 }
 
-/// Finds the extents of handles, and which lie beyond which, if there are several handles or a grip.
+/// If there are several handles or a grip: finds the extents of handles, and which handle lies beyond which.
 void Maker::findExtents(const BendTags &made) {
     std::map<int, std::vector<std::size_t>> handles;
     for (std::size_t i = 0; i < made.size(); ++i)
@@ -105,8 +105,9 @@ void Maker::findExtents(const BendTags &made) {
     }
 }
 
-/// Adds what handles of one rank bend. A fixed gap keeps it apart from what lower ranks bend, unless a handle is at the
-/// edge of that: then all bend together. \return whether they bend less because of the gap
+/// Adds the surface that handles of one rank bend. A fixed gap keeps it apart from the surface that lower ranks bend.
+/// If a handle is at the edge of the latter, there is no gap: all bend together. \return whether they bend less because
+/// of the gap
 bool Maker::bendAround(const std::vector<Around> &handles, int rank, std::vector<char> &isNear) {
     const double gap = usual();
     const auto isLower = [&](std::size_t i) { return isNear[i] != 0; };
@@ -160,7 +161,7 @@ std::vector<int> Maker::nextFirst() const {
     return order;
 }
 
-/// Makes a handle with others beyond it hold what lies beyond and does not bend, so that it moves along.
+/// Parts beyond a handle that do not bend move along: makes a handle hold these if there are other handles beyond it.
 void Maker::holdBeyond(BendTags &made) {
     const auto isFixed = [&](std::size_t i) { return made[i] == 0; };
     for (const int tag : nextFirst()) {
@@ -190,7 +191,7 @@ void Maker::holdBeyond(BendTags &made) {
     }
 }
 
-/// Sets the tags of what points hold.
+/// Sets the tags of the vertices that points hold.
 void Maker::hold(BendTags &made) {
     const auto add = [&](int tag, const std::vector<std::size_t> &vertices) {
         for (const std::size_t i : vertices)
@@ -206,8 +207,8 @@ void Maker::hold(BendTags &made) {
             holdGrip(made, tag, point->second.radius);
 }
 
-/// Makes a grip hold all that turns with it: its core, and what lies beyond the strip that bends, without what other
-/// handles there bend, and without a gap around what else is held.
+/// Makes a grip hold all that turns with it: its core, and the part beyond the bending strip. From this part it leaves
+/// out what other handles bend, and a gap around other held vertices.
 void Maker::holdGrip(BendTags &made, int tag, double radius) {
     const BendExtent &own = *all.extents.at(tag);
     std::vector<char> isIn(made.size(), 0);

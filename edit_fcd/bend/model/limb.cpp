@@ -8,19 +8,19 @@
 
 // Where a limb begins, and where it bends along a stroke.
 
-// The root of a limb is where a cross-section has so many times the area of that at the pulled vertex. From one joint
-// to the next, a limb gets less thick than that. Where it meets the body, the section grows at once.
+// At the root of a limb, the cross-section has this many times its area at the pulled vertex. From one joint to the
+// next, a limb gets less thick than that. Where it meets the body, the section grows at once.
 const float thicker = 1.75;
 
 // Largest area of a limb, over that of all: as for tips, which are at most half as large as the rest.
 const float largestLimb = 1.f / 3;
 
-// Near the end of a limb, vertices towards the body are tried: the first at that fraction of the usual radius, each
-// next one so many times farther. A finger of a figure is five times as long as the first distance.
+// Near the end of a limb, tries vertices towards the body: the first at the usual radius / nearestPart, each next one
+// wayOff times as far. A finger of a figure is five times as long as the first distance.
 const double nearestPart = 16, wayOff = 1.3;
 
-// From that fraction on, they take time, and are tried only if the ring with them is not flat: if its area is less than
-// so much of a flat one's. That around the end of a limb has a third of it, at twice the limb's thickness.
+// From the fraction quickPart on, tries take time. They are made only if the ring with them is not flat: if its area is
+// less than leastFlat of a flat ring's. Around the end of a limb, at twice the limb's thickness, it has a third.
 const double quickPart = 6, leastFlat = 0.8;
 
 // Distance of the farthest one, over the radius of the ball that closes around the limb at the vertex. A limb that is
@@ -36,8 +36,8 @@ const double ringsOfRadius = 4; // that growth is measured over one of them, the
 
 const int binsOfThickness = 2; // cross-sections for each thickness of a limb
 
-// A vertex is pointed if the area within the usual radius is less than so much of a flat one's. That at the corner of a
-// cube has 0.75 of it, that of a cone with an angle of 80 degrees 0.64.
+// A vertex is pointed if the area within the usual radius is less than this share of a flat disc's. The corner of a
+// cube has 0.75 of it, the tip of a cone with an angle of 80 degrees 0.64.
 const double leastFlatEnd = 0.65;
 
 // Least distance of its joint from the surface, over the radius: it is 0 at the corner of a sheet, and 0.25 in a limb

@@ -45,8 +45,8 @@ BendInfluence influenceOf(const BendState &state, const BendGround &ground,
 /// The gap of the usual radius, world units.
 inline double usualGap(double diagonal) { return gapOfRadius * usualRadius * diagonal; }
 
-/// What is bent and how, and what follows from that. The functions here read and change these data only. BendSession
-/// changes layers.
+/// The state of a bend, its options and their consequences. The functions here only read and change these data;
+/// BendSession changes layers.
 struct BendModel {
     BendState state;
     BendOptions options;
@@ -86,8 +86,8 @@ std::vector<int> carriedBy(const BendModel &model, int tag);
 bool isKeptApart(const BendModel &model, int tag);
 /// Whether a handle turns a limb about its joint.
 bool turnsLimb(const BendModel &model, int tag);
-/// The handle of the joint before that of \p tag, so that the limb is a chain of two bones: the nearest one that moves
-/// \p tag along, if the two bones are about as long; 0: none. \param held the dragged point, in the pose
+/// The handle of the joint before that of \p tag; the limb is then a chain of two bones. It is the nearest one that
+/// moves \p tag along, if the two bones are about equally long; 0: none. \param held the dragged point, in the pose
 int jointBefore(const BendModel &model, int tag, const Eigen::Vector3d &held);
 /// Whether a point holds a vertex only since that lies beyond it on the limb: a new handle may take it.
 bool isAlong(const BendModel &model, std::size_t slot);

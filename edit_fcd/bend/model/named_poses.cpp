@@ -72,7 +72,7 @@ std::vector<double> weightsOfPoses(const BendState &state) {
 
 const PoseSequence &expectPoses(const BendState &state) {
     if (!state.poses)
-        throw Error("There is no pose yet: 'Keep pose' makes one of what is shown.");
+        throw Error("There is no pose yet: 'Keep pose' makes one of the shape that you see.");
     return *state.poses;
 }
 
@@ -95,7 +95,7 @@ PoseSequence withKeyFrames(PoseSequence poses, std::vector<KeyFrame> frames) {
 
 PoseSequence withKeyFrame(const BendState &state, bool moves) {
     if (state.weights.empty() && moves)
-        throw Error("What is shown is no named pose: 'Keep pose' makes it one.");
+        throw Error("The shape that you see is no named pose: 'Keep pose' makes it one.");
     PoseSequence poses = expectPoses(state);
     poses.key.push_back({poses.key.empty() ? 0 : poses.key.back().time + 1, Easing::Smooth, weightsOfPoses(state)});
     return poses;
@@ -103,7 +103,7 @@ PoseSequence withKeyFrame(const BendState &state, bool moves) {
 
 PoseSequence partOfAnimation(PoseSequence poses, double from, double to, double rate) {
     if (to < from)
-        throw Error("The animation is to end before it begins. Give an earlier 'From', or a later 'To'.");
+        throw Error("The animation would end before it begins. Give an earlier 'From', or a later 'To'.");
     if (from <= poses.key.front().time && to >= poses.key.back().time)
         return poses;
     PoseSequence cut = poses;

@@ -111,7 +111,7 @@ class BendReach {
 
     /// The extent of a handle of some vertices, without the members that whole() sets.
     std::shared_ptr<const BendExtent> extent(const std::vector<std::size_t> &vertices, double radius);
-    /// \param hair as of looseAmong()
+    /// \param hair as in looseAmong()
     std::shared_ptr<const BendExtent> whole(const std::vector<std::size_t> &vertices, double radius, double hair);
 
     /// The default radius of a handle at a vertex: twice the thickness of its limb, if a ball of the radius \p usual
@@ -119,8 +119,8 @@ class BendReach {
     double radiusAt(std::size_t slot, double usual);
 
     /// The vertex whose handle turns the whole limb of another vertex: near the limb's root, where it becomes clearly
-    /// thicker. If the root is near, it is the vertex itself; none on no limb. \param usual as of radiusAt()
-    /// \param hair as of looseAmong()
+    /// thicker. If the root is near, it is the vertex itself; none on no limb. \param usual as in radiusAt()
+    /// \param hair as in looseAmong()
     std::optional<std::size_t> rootOfLimb(std::size_t slot, double usual, double hair);
 
     /// The extent of a handle that turns the limb beyond the vertex \p from, towards \p to: it bends at \p from, in a
@@ -143,9 +143,9 @@ class BendReach {
     /// the set's box, world units
     std::vector<std::size_t> looseAmong(const std::vector<char> &isIn, double hair);
 
-    /// The vertex to pull if the user points at one of a tiny part: the nearest vertex of a part with more than twice
-    /// the area, if it is within \p hair (world units) and the own part reaches no farther than two of these; else the
-    /// vertex itself.
+    /// The vertex to pull if the user points at a vertex of a tiny part. It is the nearest vertex of a part with more
+    /// than twice the area, within \p hair (world units), if the tiny part reaches at most two \p hair; else the vertex
+    /// itself.
     std::size_t carrierOf(std::size_t slot, double hair);
 
   private:
@@ -159,7 +159,7 @@ class BendReach {
     static constexpr double radiusOfClosing = 4 / EIGEN_PI;
     struct Pointed {
         std::size_t slot;
-        double usual, hair; ///< as of rootOfLimb()
+        double usual, hair; ///< as in rootOfLimb()
     };
     bool turnsOneLimb(std::size_t root, const Pointed &at);
     double radiusAtEnd(std::size_t slot, double usual) const;

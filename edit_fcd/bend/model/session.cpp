@@ -218,8 +218,9 @@ bool BendSession::goOn() {
     const auto isOnFree = [&s = known](const auto &each) { return isFree(s, each.second.slot); };
     if (!hasWeights || !haveSame(known.marks, state().marks, live) ||
         !std::all_of(known.points.begin(), known.points.end(), isOnFree))
-        throw vcg::fcd::Error("The handles that the layer '" + layer.label().toStdString() +
-                              "' keeps do not fit its marks, or its poses: it is bent from the shape that it has now.");
+        throw vcg::fcd::Error(
+            "The handles that the layer '" + layer.label().toStdString() +
+            "' keeps do not fit its marks, or its poses: bends begin from the shape that it has now.");
     if (its->isPosed)
         rest.keepPosed([this] { keepRest(); });
     data.state = std::move(known);

@@ -72,7 +72,7 @@ class BendSession {
     /// The faces of each vertex, null while the surface is being read.
     const VertexFaces *faces() { return reach.faces(); }
     /// A preview of the extent of a new handle at a vertex, or of a handle, on the coarse surface. Null while the
-    /// surface is being read. \param usual as of addPoint()
+    /// surface is being read. \param usual as in addPoint()
     std::shared_ptr<const BendExtent> glimpse(std::size_t slot, double usual);
     std::shared_ptr<const BendExtent> glimpseOf(int tag);
     /// The same for what symmetry adds. Null if that is nothing. \param tag of a handle, or 0: a new one \param own its
@@ -117,15 +117,15 @@ class BendSession {
     /// \pre canBecomePoint(); the layer has the pose at 100 % \param usual radius if it is on no limb, world units
     /// \return its tag
     int addPoint(std::size_t slot, double usual);
-    /// Makes a point a grip, which can be turned and scaled: it holds all that is to follow, where that is now, and
+    /// Makes a point a grip, which can turn and scale. It holds all vertices that follow it, where they are now, and
     /// turns about its joint or its vertex. \pre the layer has the pose at 100 %
     void makeGrip(int tag);
-    /// The handle that turns the limb of a vertex: the nearest one towards the body that was turned, or else a new one
-    /// at the limb's root. \pre as addPoint() \return its tag, 0: there is no limb
+    /// The handle that turns the limb of a vertex: the nearest turned one towards the body, or else a new one at the
+    /// limb's root. \pre as addPoint() \return its tag, 0: there is no limb
     int limbAt(std::size_t slot, double usual);
-    /// The handle that turns what lies beyond the begin of a stroke, about the middle of the limb there: one that
-    /// already holds that place, or else a new one. \pre, usual as addPoint() \return its tag \throw vcg::fcd::Error
-    /// the stroke leads along no limb, or to fixed vertices
+    /// The handle that turns the limb beyond the begin of a stroke, about the middle of the limb there: one that holds
+    /// that place already, or else a new one. \pre, usual as addPoint() \return its tag \throw vcg::fcd::Error the
+    /// stroke leads along no limb, or to fixed vertices
     int strokeAt(const BendStroke &stroke, double usual);
     /// Sets the radius within which a handle and its twin bend the surface if nothing is marked as fixed, world units;
     /// clamped to the panel's range.

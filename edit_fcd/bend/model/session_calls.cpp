@@ -51,8 +51,8 @@ std::string BendSession::sequenceCall(bool hasTable) const {
     return withShape(call.with("handles", 2).with("tag_attribute", appliedTags(document, layer)), data.options);
 }
 
-/// The number of the pose, if one is shown alone, in the filter's numbers, and no other pose turns a handle that it
-/// does not turn. (In a blend, such a handle keeps its own turn.)
+/// The number of the pose in the filter, if one pose is shown alone and it turns each handle that any other pose turns.
+/// (In a blend, another handle would keep its own turn.)
 std::optional<std::size_t> BendSession::poseOfFilter() const {
     std::optional<std::size_t> shown;
     for (std::size_t i = 0; i < state().weights.size(); ++i)

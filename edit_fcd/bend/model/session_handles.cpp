@@ -13,8 +13,8 @@ using vcg::fcd::PoseSequence;
 
 // Marks and handles.
 
-// Radius of a limb that turns by itself, over that of the limb that was turned and has it, at most: for a finger and an
-// arm, it is less; for a forearm, more.
+// A limb turns by itself if its radius is at most this fraction of that of the turned limb on which it is. A finger on
+// an arm does, a forearm does not.
 const double thinLimb = 0.5;
 
 int BendSession::addPoint(std::size_t slot, double usual) {
@@ -111,7 +111,7 @@ std::optional<std::size_t> BendSession::newLimb(std::size_t slot, double usual) 
     return root;
 }
 
-/// The handle of the limb that a vertex is on, else where a new one would be, if it is on a limb.
+/// A vertex is on a limb: the limb's handle, or else the place of a new one. Neither if it is on no limb.
 std::pair<int, std::optional<std::size_t>> BendSession::limbOf(std::size_t slot, double usual) {
     reach.lookAt(slot);
     const int found = turnedLimb(slot);
@@ -202,8 +202,8 @@ BendSession::Turned BendSession::glimpseStroke(const BendStroke &stroke, double 
 int BendSession::strokeAt(const BendStroke &stroke, double usual) {
     const Turned found = turnedBy(reach, stroke, usual);
     if (!found.extent)
-        throw vcg::fcd::Error("Beyond this stroke lies no limb that is free to turn: draw it from a joint towards the "
-                              "end of the limb.");
+        throw vcg::fcd::Error(
+            "There is no free limb beyond this stroke: draw it from a joint towards the end of the limb.");
     const double radius = std::max(found.extent->radius, leastRadius * rest.diagonal());
     const int tag = found.tag ? found.tag : addAt(found.extent->vertices.front(), radius);
     makeGrip(tag);

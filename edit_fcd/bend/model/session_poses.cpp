@@ -58,7 +58,7 @@ std::vector<Point3m> BendSession::positionsIn(const vcg::fcd::Deformer::Pose &po
     return position;
 }
 
-/// Changes the named poses so that a handle that is new, or holds other vertices now, stays where they had it.
+/// Changes the named poses after a handle is new or holds other vertices, so that it stays in its place in each pose.
 /// \param tagsBefore, centerBefore before that change
 void BendSession::keepPlaceInPoses(int tag, std::shared_ptr<const BendTags> tagsBefore,
                                    const std::map<vcg::fcd::Index, Eigen::Vector3d> &centerBefore) {

@@ -35,8 +35,8 @@ BendExportDialog::BendExportDialog(double first, double last, QWidget *parent)
     from = add("from", "From, seconds", first, last, first, "When the file begins");
     to = add("to", "To, seconds", first, last, last, "When it ends");
     shapes = addChoice("shapes", "Morph targets", {"Each frame", "Each pose"}, // as SequenceOutput::Shapes
-                       "Shape keys of a .glb. Each frame: what is played here. Each pose: a small file, to mix by "
-                       "hand; what turns shrinks in between");
+                       "Shape keys of a .glb. Each frame: as you see it here. Each pose: a small file, to mix by hand; "
+                       "turning parts shrink in between");
     auto *buttons = new QDialogButtonBox;
     QPushButton *go = buttons->addButton("Choose file ...", QDialogButtonBox::AcceptRole);
     go->setObjectName("choose");

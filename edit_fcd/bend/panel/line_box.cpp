@@ -23,7 +23,7 @@ static Eigen::Vector3d directionIn(const QLineEdit &edit, const ParameterText &t
         direction[k] = ::rounded<Scalarm>(words[k].toDouble(&isNumber));
     if (!isNumber)
         throw Error("'" + text.label.toStdString() + "' is '" + edit.text().toStdString() +
-                    "': give three numbers, x y z, or 0 0 0 where it follows from the line.");
+                    "': give three numbers, x y z, or 0 0 0 to follow the line.");
     return direction;
 }
 
@@ -36,9 +36,8 @@ BendLineBox::BendLineBox(QWidget *parent) : QWidget(parent) {
         connect(button, &QPushButton::clicked, this, [this, which] { emit command(which); });
         row.addWidget(button);
     };
-    source = named(
-        new QComboBox, "line",
-        "The line that the layer is straightened along: the clicked points, in their order, or a layer with edges");
+    source = named(new QComboBox, "line",
+                   "The line to straighten along: the clicked points, in their order, or a layer with edges");
     form->addRow("Line", source);
     auto *files = new QHBoxLayout;
     add(*files, "loadline", "Load ...", "Replaces the points by those of a file (.pp, .csv, .txt)", Load);
@@ -78,7 +77,7 @@ BendLineBox::BendLineBox(QWidget *parent) : QWidget(parent) {
     form->addRow(untwist);
     auto *last = new QHBoxLayout;
     add(*last, "straighten", "Straighten to new layer",
-        "A new layer gets the shape, as 'FCD: Straighten Mesh' gives it; the line becomes a layer, too", Straighten);
+        "A new layer gets the shape, as from 'FCD: Straighten Mesh'; the line becomes a layer, too", Straighten);
     form->addRow(last);
     showLayers({});
     connect(source, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &BendLineBox::changed);

@@ -13,10 +13,10 @@
 
 BendHandleList::BendHandleList(QWidget *parent)
     : CellList({{"Handle", "Click selects: the gizmo is on it, and G, R and S move it. Double click: its name", 104},
-                {"seen", "Whether its marks and its gizmo are shown", 38},
-                {"lock", "A locked handle is not moved by the mouse, nor taken along by others", 38},
+                {"seen", "Shows its marks and its gizmo", 38},
+                {"lock", "The mouse does not move a locked handle, nor do other handles take it along", 38},
                 {"Motion", "Its motion; double click to type it as the filters take it, empty for none", 0},
-                {"", "Removes the handle: what it held is free", 22}},
+                {"", "Removes the handle: its region is free", 22}},
                78, parent) {
     setObjectName("handles");
     setWordWrap(true); // a motion may have several steps
@@ -65,7 +65,7 @@ void BendHandleList::show(const std::vector<BendHandleRow> &handles) {
 
 BendPoseList::BendPoseList(QWidget *parent)
     : CellList({{"Pose", "Click shows this pose alone; double click: its name", 0},
-                {"strength", "How much of it is shown, mixed with the others", 110},
+                {"strength", "How much of it you see, mixed with the others", 110},
                 {"%", "The same as a number, also below 0 or above 100; double click to type", 44},
                 {"", "Removes the pose", 22}},
                72, parent) {
@@ -126,7 +126,7 @@ const char *const easings[] = {"linear", "smooth", "hold"}; // in the order of E
 const int easingCount = 3;
 
 BendKeyList::BendKeyList(QWidget *parent)
-    : CellList({{"time, s", "When it is reached; double click to type", 56},
+    : CellList({{"time, s", "When the layer is there; double click to type", 56},
                 {"easing", "How it goes on to the next key frame: linear, smooth or hold. A click changes it", 62},
                 {"key frame", "The poses that it has; a click shows it", 0},
                 {"", "Removes the key frame", 22}},
@@ -178,18 +178,19 @@ BendPoseBox::BendPoseBox(QWidget *parent) : QWidget(parent) {
         return made;
     };
     auto *files = row(1);
-    files->addWidget(
-        made("keep", "Keep pose", "Keeps what is shown as a named pose of the layer: type the name, then Enter", Keep));
+    files->addWidget(made("keep", "Keep pose",
+                          "Keeps the shape that you see as a named pose of the layer: type the name, then Enter",
+                          Keep));
     files->addWidget(made("frame", "Key frame",
-                          "Makes a key frame of what is shown of the poses, a second after the last one", KeyFrame));
+                          "Makes a key frame of the blend that you see, a second after the last one", KeyFrame));
     files->addWidget(made("loadposes", "Load ...",
                           "Replaces the poses by those of a table (.csv), as 'FCD: Pose Sequence' reads it", Load));
     files->addWidget(made("saveposes", "Save ...",
-                          "Writes the poses as a table (.csv): no file of MeshLab has room for them", Save));
+                          "Writes the poses as a table (.csv): MeshLab's own files cannot hold them", Save));
     frames = named(new BendKeyList, "frames", "");
     grid->addWidget(frames, 2, 0);
     auto *last = row(3);
-    play = made("play", "Play", "Plays the key frames in the view, until something else is done", Play);
+    play = made("play", "Play", "Plays the key frames in the view, until you do something else", Play);
     play->setFixedWidth(play->fontMetrics().horizontalAdvance("Stop") + 24);
     last->addWidget(play);
     bar = new BendTimeline;

@@ -46,13 +46,12 @@ void BendPanel::addModes(QBoxLayout &column) {
     std::vector<std::array<QString, 3>> buttons;
     const std::pair<const char *, const char *> textsAndTips[] = {
         // in the order of Mode, and of BendAction
-        {"Drag",
-         "Drag a point of a limb: the limb turns at its joint so that the point follows. Any other point, and a "
-         "handle, is pulled"},
-        {"Pull", "Drag a handle, or a point of the surface: it is moved"},
+        {"Drag", "Drag a point of a limb: the limb turns at its joint so that the point follows. Drag any other point, "
+                 "or a handle, to pull it"},
+        {"Pull", "Drag a handle, or a point of the surface, to pull it"},
         {"Brush", "Mark with a brush; size on the wheel"},
-        {"Box", "Mark what is in a rectangle"},
-        {"Lasso", "Mark what is in a polygon: click its corners, double-click the last"},
+        {"Box", "Mark all in a rectangle"},
+        {"Lasso", "Mark all in a polygon: click its corners, double-click the last"},
         {"Straighten", "Straighten the layer along a line, or bend it along one: click points, or choose a layer"}};
     for (const auto &[text, tip] : textsAndTips) {
         const int which = int(buttons.size());
@@ -68,7 +67,7 @@ void BendPanel::addMarking(QWidget &place) {
     form->setVerticalSpacing(2);
     auto *row = new QHBoxLayout;
     row->setSpacing(3);
-    role = named(new QComboBox, "role", "What is marked becomes this (F, U, H, O)");
+    role = named(new QComboBox, "role", "Marks become this (F, U, H, O)");
     role->addItems({"Fixed", "Free", "Handle", "Ignore"});
     role->setCurrentIndex(Handle);
     role->setMaximumWidth(78);
@@ -86,10 +85,9 @@ void BendPanel::addMarking(QWidget &place) {
     brushPixels->setRange(2, 500);
     brushPixels->setValue(QSettings().value(brushSetting, 20).toInt());
     brushPixels->setSuffix(" px");
-    radiusPercent =
-        named(new NumberBox, "reach",
-              "How far along the surface a handle bends what is around it while nothing is marked as fixed, "
-              "in percent of the diagonal; a fifth of it stays free around marks (wheel while dragging)");
+    radiusPercent = named(new NumberBox, "reach",
+                          "How far from a handle the surface bends while nothing is fixed, in percent of the diagonal; "
+                          "a fifth of it stays free around marks (wheel while dragging)");
     radiusPercent->setRange(0.5, 400);
     radiusPercent->setValue(QSettings().value(radiusSetting, 100 * usualRadius).toDouble());
     radiusPercent->setSuffix(" %");
@@ -110,7 +108,7 @@ void BendPanel::addMarking(QWidget &place) {
     frame->addWidget(axesChoice);
     form->addRow("Symmetry", frame);
     auto *poseRow = new QHBoxLayout;
-    poseSlider = named(new QSlider(Qt::Horizontal), "pose", "How much of the motions is shown and applied");
+    poseSlider = named(new QSlider(Qt::Horizontal), "pose", "How much of the motions you see and apply");
     poseSlider->setRange(0, 200);
     poseSlider->setValue(100);
     poseLabel = new QLabel("100 %");
@@ -261,11 +259,10 @@ void BendPanel::setStretch(bool shown) {
 
 void BendPanel::allowStretch(bool allowed) {
     stretch->setEnabled(allowed);
-    stretch->setToolTip(
-        allowed ? "Colours the layer by how much its surface is stretched against the rest shape: red where "
-                  "it is twice as long or more, blue where it is half as long or less, grey where it is as "
-                  "long as it was. While you mark, the marks are shown."
-                : "A layer without faces has no surface that could be stretched.");
+    stretch->setToolTip(allowed
+                            ? "Colours the layer by its stretch from the rest shape: red is twice as long or more, "
+                              "blue half as long or less, grey as long as before. While you mark, you see the marks."
+                            : "A layer without faces has no surface that could stretch.");
 }
 
 void BendPanel::showMotions(const QString &text) {

@@ -24,7 +24,7 @@ void BendPanel::addCommands(QBoxLayout &column) {
         grid->addWidget(button, row, place, 1, width);
     };
     add("Mark selection", "Marks the selected vertices and faces", BendAction::MarkSelection, 0, 0, 6);
-    add("Clear marks", "All is free, and nothing is a handle", BendAction::ClearMarks, 0, 6, 6);
+    add("Clear marks", "Removes all marks: all is free", BendAction::ClearMarks, 0, 6, 6);
     add("Undo", "Undo, also over applies", BendAction::Undo, 1, 0, 3);
     add("Redo", "Redo", BendAction::Redo, 1, 3, 3);
     add("Reset", "Takes all motions back", BendAction::Reset, 1, 6, 3);
@@ -60,10 +60,10 @@ void BendPanel::addFolds(QBoxLayout &column) {
         row->addWidget(button);
         folds.emplace_back(button, part);
     };
-    add("marks_fold", "Marks", "What is marked and how, symmetry, stretch", marking, true);
+    add("marks_fold", "Marks", "How you mark, symmetry, stretch", marking, true);
     add("handles_fold", "Handles", "The list of handles", list, true);
     add("poses_fold", "Poses", "Named poses, blended by sliders, and key frames", poseBox, false);
-    add("more", "More", "What shapes a deformation, motions as text, graph layers, figures", moreOptions, false);
+    add("more", "More", "Smoothness, detail, falloff, motions as text, graph layers, figures", moreOptions, false);
     auto *keys = named(new QToolButton, "keys", bendActions().withKeys("What the keys do", BendAction::Page));
     keys->setText("?");
     connect(keys, &QToolButton::clicked, this, &BendPanel::showKeys);
@@ -100,8 +100,7 @@ void BendPanel::addMore(QBoxLayout &column) {
     auto *form = new QFormLayout(moreOptions);
     form->setContentsMargins(0, 0, 0, 0);
     form->setVerticalSpacing(3);
-    smoothnessValue =
-        named(new NumberBox, "smoothness", "How evenly turns are spread over the surface: higher is stiffer");
+    smoothnessValue = named(new NumberBox, "smoothness", "How evenly turns spread over the surface: higher is stiffer");
     smoothnessValue->setDecimals(4);
     smoothnessValue->setRange(0, 10);
     smoothnessValue->setSingleStep(0.002);
@@ -119,8 +118,8 @@ void BendPanel::addMore(QBoxLayout &column) {
     form->addRow("Rigidity", rigidityValue);
     connect(elastic, &QCheckBox::toggled, rigidityValue, &QWidget::setDisabled); // what keeps its volume is rigid
     patchCount = named(new CountBox, "patches",
-                       "How many patches the surface is divided into: with more it bends more finely, and takes "
-                       "longer. Automatic (0): 100 to 1500, as many as it needs");
+                       "Number of patches of the surface: more bend more finely, and take longer. Automatic (0): 100 "
+                       "to 1500, as many as it needs");
     patchCount->setRange(0, 20000);
     patchCount->setSpecialValueText("automatic");
     form->addRow("Detail", patchCount);
@@ -168,33 +167,32 @@ const ActionTable &bendActions() {
          "drag: a limb turns so that the place under the mouse follows; a handle, or a place elsewhere, is pulled"},
         {BendAction::Pull, "M", "pull: drag a handle, or a point of the surface, also of a limb"},
         {BendAction::Brush, "B", "mark with the brush; its size is on the wheel"},
-        {BendAction::Rectangle, "V", "mark what is in a rectangle"},
-        {BendAction::Polyline, "L", "mark what is in a polygon: click its corners, Enter or a double click ends it"},
+        {BendAction::Rectangle, "V", "mark all in a rectangle"},
+        {BendAction::Polyline, "L", "mark all in a polygon: click its corners, Enter or a double click ends it"},
         {BendAction::Line, "N",
          "straighten the layer along a line: click points along it, drag them; a layer, or a file, may be the line, "
          "too"},
         {BendAction::RemovePoint, "Del", "remove the point of the line under the mouse, or else the last one"},
-        {BendAction::Fixed, "F", "what is marked becomes fixed"},
+        {BendAction::Fixed, "F", "marks become fixed"},
         {BendAction::Free, "U", "free"},
         {BendAction::Handle, "H", "part of the selected handle, or a new one after that was moved"},
         {BendAction::NextHandle, "Shift+H", "the next handle"},
-        {BendAction::Outside, "O", "ignored: outside of the region of influence"},
-        {BendAction::Through, "T", "mark only what is seen, or through the mesh"},
+        {BendAction::Outside, "O", "ignored: it never moves"},
+        {BendAction::Through, "T", "mark only what you see, or through the mesh"},
         {BendAction::Move, "G", "move what is under the mouse, a handle or a place, or else the selected handle"},
-        {BendAction::Turn, "R", "turn it; then drag from there along a limb: what lies beyond turns about that place"},
+        {BendAction::Turn, "R", "turn it; then drag from there along a limb: the part beyond turns about that place"},
         {BendAction::Scale, "S", "scale it"},
         {BendAction::Limb, "J",
-         "turn the limb under the mouse so that this place follows: at the last joint that was turned, or where it "
-         "begins"},
+         "turn the limb under the mouse so that this place follows: at the joint that you turned last, or where the "
+         "limb begins"},
         {BendAction::Pivot, "P",
          "put the pivot of the selected handle under the mouse, on a place or another handle's middle; beside the "
          "mesh: on its own middle again"},
         {BendAction::Undo, "Ctrl+Z", "undo, also over applies"},
         {BendAction::Redo, "Ctrl+Shift+Z", "redo"},
         {BendAction::Reset, "Backspace", "take all motions back"},
-        {BendAction::Cancel, "Esc",
-         "cancel what is being moved or marked; else camera mode, until Esc is pressed again"},
-        {BendAction::End, "Return|Enter", "keep what is being moved; end a polygon"},
+        {BendAction::Cancel, "Esc", "cancel a move or a mark; else camera mode, until you press Esc again"},
+        {BendAction::End, "Return|Enter", "keep a move; end a polygon"},
         {BendAction::ApplyInPlace, "Ctrl+Return|Ctrl+Enter", "apply in place"},
         {BendAction::ApplyToNewLayer, "Ctrl+Shift+Return|Ctrl+Shift+Enter", "apply to a new layer"},
         {BendAction::Page, "?|Shift+?", "this page"},
@@ -205,10 +203,9 @@ const ActionTable &bendActions() {
 QString bendKeyPage() {
     return bendActions().page(
         {{"while moving",
-          "X, Y, Z: along or about an axis; a number; G, R, S; Ctrl: in steps; Shift: onto another layer "
-          "under the mouse; "
-          "wheel: how far it bends what is around; click or Enter keeps, right click or Esc cancels"},
-         {"Ctrl, wheel", "width of the free rim of the mark under the mouse; nothing else is held in it"},
+          "X, Y, Z: along or about an axis; a number; G, R, S; Ctrl: in steps; Shift: onto another layer under the "
+          "mouse; wheel: how far the bend reaches; click or Enter keeps, right click or Esc cancels"},
+         {"Ctrl, wheel", "width of the free rim around the mark under the mouse"},
          {"camera",
           "drag beside the mesh, or with the right or middle button; wheel; a double click centers a place"}});
 }

@@ -14,8 +14,8 @@ const double grasp = 4;                       // pixels: a press so near is on a
 
 BendTimeline::BendTimeline(QWidget *parent) : QWidget(parent) {
     setObjectName("timeline");
-    setToolTip("The key frames, with the numbers of their frames, 24 a second from the first one on. A click on a mark "
-               "shows that key frame; a drag shows what is between them; Shift and a drag move a mark");
+    setToolTip("The key frames, with the numbers of their frames, 24 a second from the first one on. Click a mark to "
+               "see that key frame; drag to see what is between them; Shift and a drag move a mark");
     setFocusPolicy(Qt::NoFocus); // keys stay with the view
     setFixedHeight(30);
 }

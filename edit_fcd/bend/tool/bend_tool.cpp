@@ -100,14 +100,13 @@ QString BendTool::roleText() const {
 
 /// How to mark in this mode.
 QString BendTool::markingText() const {
-    const QString role = roleText(), what = panel->isThrough() ? "what is in it, hidden or not," : "what is seen in it";
+    const QString role = roleText(), what = panel->isThrough() ? "all in it, hidden or not," : "all that you see in it";
     switch (panel->mode()) {
     case BendPanel::Rectangle: return QString("Drag a rectangle: %1 becomes %2.").arg(what, role);
     case BendPanel::Polyline:
         return QString("Click the corners of a polygon; Enter or a double click ends it: %1 becomes %2.")
             .arg(what, role);
-    default:
-        return QString("Drag over the surface: what the brush meets becomes %1. Its size is on the wheel.").arg(role);
+    default: return QString("Paint over the surface: it becomes %1. The wheel sets the brush's size.").arg(role);
     }
 }
 
@@ -135,10 +134,10 @@ QString BendTool::stateText() const {
     else if (!panel->isBending())
         text = markingText();
     else if (isReading)
-        text = "The surface is being read: in a moment you see what a drag moves.";
+        text = "Reading the surface: in a moment you see what a drag moves.";
     else if (session->model().influence.handles().empty() && !isLimbForeseen)
         text = session->state().marks ? "Mark a handle (red), then drag it."
-                                      : "Drag a point of the surface, or mark what is fixed and what is a handle.";
+                                      : "Drag a point of the surface, or mark what stays (F) and what moves (H).";
     else if (lit && !(isLimbForeseen && lit->axis < 0))
         text = QString::fromStdString(nameOf(session->state(), selected())) +
                (lit->axis < 0
@@ -155,13 +154,13 @@ QString BendTool::stateText() const {
     else
         text = "Drag a handle (red), or a point of the surface. G, R, S: " + textOfKeys() + ".";
     if (drag && !drag->carried.empty())
-        text += "\nHandles beyond it go along, except locked ones.";
+        text += "\nHandles farther out go along, except locked ones.";
     if (drag && lacksTwin(session->model(), drag->tag))
         text += "\nSymmetry finds nothing on the other side: this side moves alone.";
     if (drag && isKeptApart(session->model(), drag->tag))
-        text += "\nWhat others bend stays; the wheel includes it.";
+        text += "\nParts that other handles bend stay; the wheel includes them.";
     else if (session->model().influence.isLocal)
-        text += "\nWhat is farther away than the reach stays.";
+        text += "\nParts beyond the reach stay.";
     if (inContact > 0 && !drag)
         text += QString("\n%1 triangles pass through others%2.")
                     .arg(inContact)

@@ -40,8 +40,7 @@ void DragInteraction::begin(const Grip &what) {
             }
             if (isLimb && !grip.tag) {
                 if (grip.modal)
-                    throw vcg::fcd::Error(
-                        "There is no limb here that could be turned: G pulls this place, and R turns it.");
+                    throw vcg::fcd::Error("There is no limb here to turn: G pulls this place, and R turns it.");
                 grip.tag = asked; // no limb: pull instead
                 grip.isNew = !asked;
                 grip.part.kind = BendDrag::Move;
@@ -122,8 +121,8 @@ void DragInteraction::showInfluence() {
     stage.showOverlay();
 }
 
-/// Sets the point about which it turns and scales (the pivot), or by which it moves (the dot, unless the user has set a
-/// pivot).
+/// Sets the point of the drag: it turns and scales about the pivot, and moves by the dot, or by the pivot if the user
+/// has set one.
 void DragInteraction::placePivot() {
     const BendModel &model = stage.session->model();
     const bool isGiven = handleOf(model.state, now->tag).pivot.has_value(), isPoint = isGrip(model.state, now->tag);
@@ -303,7 +302,7 @@ void DragInteraction::beforeDraw() {
 
 QString DragInteraction::text() const {
     if (stroke)
-        return turned.extent ? "Drag along the limb: what is tinted turns where you began. Release: turn it; Esc."
+        return turned.extent ? "Drag along the limb: the tinted part turns where you began. Release: turn it; Esc."
                              : "Drag from the joint along the limb, towards its end. Esc.";
     if (!now)
         return {};

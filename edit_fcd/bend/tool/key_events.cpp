@@ -77,7 +77,7 @@ void BendTool::dragByKey(BendDrag::Kind kind) {
 void BendTool::placePivot() {
     const int tag = selected();
     if (!tag)
-        throw Error("There is no handle whose pivot could be placed: mark one, or drag a point of the surface.");
+        throw Error("There is no handle whose pivot you could place: mark one, or drag a point of the surface.");
     findMouse();
     const int other = placeAtMouse().tag;
     const bool isOther = other != 0 && other != tag;
@@ -95,7 +95,7 @@ void BendTool::placePivot() {
 void BendTool::setRole(BendPanel::Role which, int handle) {
     panel->setRole(which, handle);
     if (panel->isBending() || panel->mode() == BendPanel::Line)
-        hint = QString("What is marked from now on becomes %1. B, V or L mark, M pulls.").arg(roleText());
+        hint = QString("Marks now become %1. B, V or L mark, M pulls.").arg(roleText());
 }
 
 void BendTool::act(BendAction::Id action) {

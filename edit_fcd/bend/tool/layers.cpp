@@ -60,7 +60,7 @@ bool BendTool::open(MeshModel &newModel) {
             session = std::move(found->second);
         else if (!toolOf(newModel))
             say("The layer '" + newModel.label().toStdString() +
-                "' was changed since it was left: it is bent from the shape that it has now.");
+                "' has changed since you left it: bends begin from the shape that it has now.");
         left.erase(found);
     }
     if (!session) {
@@ -72,7 +72,7 @@ bool BendTool::open(MeshModel &newModel) {
     }
     if (!session->takePoses())
         say("The layer '" + newModel.label().toStdString() +
-            "' keeps poses of another shape or place: they begin from what it is now.");
+            "' keeps poses of another shape or place: they begin from the shape that it has now.");
     if (newModel.cm.vn > preparedAtOnce)
         session->readAhead();
     enterLayer(newModel);

@@ -151,9 +151,9 @@ bool BendTool::changeRim(double times) {
     }
     const double percent = 100 * rim / session->diagonal();
     const bool isPoint = session->state().points.count(tag) > 0; // its radius is how far it bends, not a rim
-    hint = QString(isPoint ? "%1: bends what is within %2 % of the diagonal."
-                           : "%1: nothing else is held within %2 % of the diagonal.")
-               .arg(tag ? QString::fromStdString(nameOf(session->state(), tag)) : QString("What is fixed here"))
+    hint = QString(isPoint ? "%1: bends the surface within %2 % of the diagonal."
+                           : "%1: its free rim is %2 % of the diagonal wide.")
+               .arg(tag ? QString::fromStdString(nameOf(session->state(), tag)) : QString("The fixed part here"))
                .arg(isPoint ? percent : gapOfRadius * percent, 0, 'f', 1);
     showOverlay();
     solve(true);

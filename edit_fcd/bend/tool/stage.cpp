@@ -181,8 +181,7 @@ void BendStage::beside(const QString &what, const JobRunner::Work &work, std::fu
             }
             stopPreparing(); // keep the change by something else
             if (!thrown)
-                throw vcg::fcd::Error(
-                    "Something else has changed the layer meanwhile, so this was not done. Begin again.");
+                throw vcg::fcd::Error("Nothing was done: something else has changed the layer meanwhile. Begin again.");
             try {
                 std::rethrow_exception(thrown);
             } catch (const vcg::fcd::Cancelled &) { // the user cancelled it

@@ -41,12 +41,12 @@ static QButtonGroup *choiceOf(FitPanel &panel, void (FitPanel::*chosen)(), QBoxL
 void FitPanel::addLayers(QBoxLayout &column) {
     auto *form = new QFormLayout;
     form->setVerticalSpacing(3);
-    targets = named(new QComboBox, "target", "The layer that the current one is laid onto");
+    targets = named(new QComboBox, "target", "The layer to lie on");
     connect(targets, QOverload<int>::of(&QComboBox::activated), this, &FitPanel::targetChosen);
     form->addRow("Target", targets);
     auto *row = new QHBoxLayout;
     seenButtons = choiceOf(*this, &FitPanel::seenChosen, *row,
-                           {{"inturn", "In turn", "Shows the layer whose turn it is to be clicked (1)"},
+                           {{"inturn", "In turn", "Shows the layer that you click next (1)"},
                             {"both", "Both", "Shows this layer and the target (2)"},
                             {"source", "This", "Shows this layer alone (3)"},
                             {"other", "Target", "Shows the target alone (4)"}});
@@ -95,8 +95,8 @@ void FitPanel::addShape(QBoxLayout &column) {
     auto *row = new QHBoxLayout;
     shapes = choiceOf(*this, &FitPanel::shapeChosen, *row,
                       {{"rest", "As it was", "This layer as it is without a fit (Backspace)"},
-                       {"follow", "By the pairs", "This layer as the pairs take it, as rigidly as possible"},
-                       {"pull", "Pull onto the target", "This layer laid onto the target, with the pairs kept (P)"}});
+                       {"follow", "By the pairs", "This layer bent by the pairs alone, as rigidly as possible"},
+                       {"pull", "Pull onto the target", "Lays this layer onto the target and keeps the pairs (P)"}});
     column.addLayout(row);
     auto *working = new QHBoxLayout;
     progress = new QProgressBar;
@@ -109,9 +109,9 @@ void FitPanel::addShape(QBoxLayout &column) {
     auto *form = new QFormLayout;
     form->setVerticalSpacing(3);
     auto *stiff = new QHBoxLayout;
-    stiffness = named(new QSlider(Qt::Horizontal), "stiffness",
-                      "How rigid the surface is when it is pulled: softer follows finer detail, stiffer smooths over "
-                      "noise and holes");
+    stiffness =
+        named(new QSlider(Qt::Horizontal), "stiffness",
+              "How rigid the surface is in a pull: softer follows finer detail, stiffer smooths over noise and holes");
     stiffness->setRange(placeOf(FitOptions::leastStiffness), placeOf(FitOptions::mostStiffness));
     stiffnessText = new QLabel("1");
     stiffnessText->setMinimumWidth(36);
@@ -124,17 +124,15 @@ void FitPanel::addShape(QBoxLayout &column) {
     });
     start =
         choice("start", {"As the layers lie", "Moved by the pairs", "Moved and scaled by the pairs", "Axes tried out"},
-               "How the whole layer is moved first. By the pairs: needs three that are not on a line. Axes: when it is "
-               "pulled");
+               "How the whole layer first moves. By the pairs: needs three that are not on a line. Axes: at the pull");
     start->setCurrentIndex(int(FitOptions().start));
     form->addRow("Start", start);
     auto *counts = new QHBoxLayout; // in the order of Weights
-    weights =
-        choice("weights", {"This: all", "This: quality", "This: selected", "This: painted"},
-               "What of this layer is pulled: all of it; as much as its vertex quality says, from 0 to 1; or what "
-               "is selected, or painted. The rest is carried along, such as the gum of a dental scan");
+    weights = choice("weights", {"This: all", "This: quality", "This: selected", "This: painted"},
+                     "Which parts of this layer are pulled: all; as much as the vertex quality says, from 0 to 1; the "
+                     "selection; or what you paint. The rest goes along, such as the gum of a dental scan");
     targetWeights = choice("targetweights", {"Target: all", "Target: quality", "Target: selected", "Target: painted"},
-                           "What of the target pulls. The rest is ignored");
+                           "Which parts of the target pull. The rest is ignored");
     for (QComboBox *each : {weights, targetWeights}) {
         each->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon); // no wider than the others
         each->setMinimumContentsLength(6);
@@ -145,16 +143,16 @@ void FitPanel::addShape(QBoxLayout &column) {
     brushButtons =
         choiceOf(*this, &FitPanel::brushChosen, *painting,
                  {{"brushpairs", "Off", "Clicks place pairs (B)"},
-                  {"brushcounts", "Counts", "Paints what is matched, on either layer (B; X: the other paint)"},
+                  {"brushcounts", "Counts", "Paints the parts to match, on either layer (B; X: the other paint)"},
                   {"brushcarried", "Carried",
-                   "Paints what is not matched but carried along, on either layer (B; X: the other paint)"}});
+                   "Paints the parts that go along unmatched, on either layer (B; X: the other paint)"}});
     brushPixels = named(new CountBox, "brush", "How far the brush paints around the mouse (wheel)");
     brushPixels->setRange(2, 500);
     brushPixels->setValue(20);
     brushPixels->setSuffix(" px");
     painting->addWidget(brushPixels);
     form->addRow("Brush", painting);
-    largest = named(new NumberBox, "largest", "What is farther than this from the target has no counterpart there");
+    largest = named(new NumberBox, "largest", "Parts farther than this from the target have no counterpart there");
     largest->setDecimals(4);
     largest->setRange(0, FitOptions::mostDistance);
     largest->setSpecialValueText("no limit");
@@ -168,9 +166,9 @@ void FitPanel::addShape(QBoxLayout &column) {
     form->addRow("Curves", lines);
     showCurves(QString());
     column.addLayout(form);
-    distance = named(new QCheckBox("Show distance"), "distance",
-                     "Colours this layer, once it is pulled, by how far it is from the target; grey has no counterpart "
-                     "there");
+    distance = named(
+        new QCheckBox("Show distance"), "distance",
+        "Colours this layer, after a pull, by its distance from the target; grey parts have no counterpart there");
     connect(distance, &QCheckBox::toggled, this, &FitPanel::distanceToggled);
     column.addWidget(distance);
     legend = new QLabel;
@@ -248,8 +246,8 @@ void FitPanel::showCurves(const QString &file) {
     curves->setText(name.isEmpty() ? QString("Load ...")
                                    : curves->fontMetrics().elidedText(name, Qt::ElideMiddle, 120));
     curves->setToolTip((file.isEmpty() ? QString() : file.toHtmlEscaped() + "<br>") +
-                       "Lines on both layers that slide along each other when this one is pulled: lips, a ridge, a "
-                       "tooth's margin. A table (.csv) as 'FCD: Fit to Layer' reads it");
+                       "Lines on both layers that slide along each other in a pull: lips, a ridge, a tooth's margin. A "
+                       "table (.csv) as 'FCD: Fit to Layer' reads it");
     noCurves->setEnabled(!file.isEmpty());
 }
 

@@ -307,7 +307,7 @@ void FitTool::apply(bool inPlace) {
         const bool hadCurves = session->state().lines != nullptr;
         tellCall(session->applyInPlace(onto));
         if (hadCurves)
-            tell("The curves were those of the earlier shape. Load curves of this one.");
+            tell("The curves are gone: they belonged to the earlier shape. Load curves of this one.");
         showVertices(true);
         showColors();
         return;

@@ -92,17 +92,16 @@ QString FitTool::stateText() const {
     if (!hint.isEmpty())
         return hint;
     if (!target())
-        return "Open a scan as another layer: this one is laid onto it.";
+        return "Open a scan as another layer: you lay this layer onto it.";
     const auto bold = [](const MeshModel &each, const char *color) {
         return QString("<b style='color: %1'>%2</b>").arg(color, each.label().toHtmlEscaped());
     };
     if (isPainting())
         return panel->brush() == FitPanel::Carried
-                   ? "Drag over either layer: what the brush meets is carried along, and not matched. The wheel sets "
-                     "its "
+                   ? "Paint over either layer: these parts go along and are not matched. The wheel sets the brush's "
                      "size; X: paint what counts; B: back to pairs."
-                   : "Drag over either layer: what the brush meets counts. The wheel sets its size; X: paint what is "
-                     "carried along; B: back to pairs.";
+                   : "Paint over either layer: these parts count. The wheel sets the brush's size; X: paint what goes "
+                     "along; B: back to pairs.";
     QString text = isTurnOfTarget() ? "Click the same point on " + bold(*target(), "#d0700a") + "."
                                     : "Click a point on " + bold(*model, "#2d6eeb") + ", then the same one on " +
                                           bold(*target(), "#d0700a") + ". Drag a point to move it.";
@@ -115,7 +114,7 @@ QString FitTool::stateText() const {
                     .arg(fitted->report.rms, 0, 'g', 2)
                     .arg(fitted->curves.curve.empty()
                              ? QString()
-                             : QString("; the curves are met to %1").arg(fitted->report.curves, 0, 'g', 2));
+                             : QString("; curves are off by at most %1").arg(fitted->report.curves, 0, 'g', 2));
     return text;
 }
 

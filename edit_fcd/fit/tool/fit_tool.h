@@ -124,7 +124,7 @@ class FitTool : public LayerTool {
     /// A stroke of the brush that paints weights.
     struct Stroke {
         int layer;                           ///< number
-        float weight;                        ///< as of FitSession::paint
+        float weight;                        ///< as in FitSession::paint
         std::vector<float> depth;            ///< from depthOf
         std::optional<Eigen::Vector2d> from; ///< the last place, pixels of the device
     };

@@ -170,7 +170,7 @@ bool FitTool::isReady() {
         return true;
     stopWork();
     say("Something else has changed the layer '" + model->label().toStdString() +
-            "': it is fitted from what it is now.",
+            "': the fit begins from the shape that it has now.",
         true);
     MeshModel &same = *model;
     session.reset();
