@@ -70,7 +70,7 @@ static bool hasShape(MeshModel &layer, const Deformation &deformation) {
 }
 
 /// Whether \p layer is the very one that was deformed, with the same mesh, wherever its vertices are now.
-static bool isSameMesh(const MeshModel &layer, const Deformation &deformation) {
+static bool isMeshOf(const MeshModel &layer, const Deformation &deformation) {
     const CMeshO &mesh = layer.cm;
     return layer.id() == deformation.source && mesh.vert.size() == deformation.rest.size() &&
            mesh.vn == deformation.vertices && facesOf(mesh) == deformation.corners;
@@ -103,7 +103,7 @@ const Deformation &deformationOf(const DeformationLayers &layers, bool evenIfMov
                     "Deformation' (save_fcd_deformation), and give its deformation_file.");
     const Deformation &deformation = *found; // the document owns it
     const bool isThere = source->cm.fn == deformation.faces && hasShape(*source, deformation),
-               isElsewhere = !isThere && isSameMesh(*source, deformation);
+               isElsewhere = !isThere && isMeshOf(*source, deformation);
     if (!isThere && !(isElsewhere && evenIfMoved))
         throw Error("The layer " + inQuotes(*source) + " is not what " + inQuotes(*deformedGraph) +
                     " was made from, or it was changed since. Choose the layer that was deformed, give it the pose "

@@ -4,7 +4,7 @@
 #include <QKeySequence>
 #include <QStringList>
 
-static QString shown(const ActionTable::Row &row) {
+static QString keyText(const ActionTable::Row &row) {
     return QString(row.keys).section('|', 0, 0).replace("Return", "Enter");
 }
 
@@ -20,7 +20,7 @@ const ActionTable::Row *ActionTable::of(const QKeyEvent &event) const {
 QString ActionTable::withKeys(const QString &tip, int action) const {
     for (const Row &each : rows)
         if (each.action == action)
-            return tip + " (" + shown(each) + ")";
+            return tip + " (" + keyText(each) + ")";
     return tip;
 }
 
@@ -30,7 +30,7 @@ QString ActionTable::page(const std::vector<std::pair<QString, QString>> &more) 
         lines += "<tr><td><b>" + keys + "</b>&nbsp;&nbsp;</td><td>" + text + "</td></tr>";
     };
     for (const Row &each : rows)
-        add(shown(each), each.text);
+        add(keyText(each), each.text);
     for (const auto &[keys, text] : more)
         add(keys, text);
     // Side by side, since small screens are wide and not high.

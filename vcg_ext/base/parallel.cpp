@@ -16,7 +16,7 @@ namespace vcg::fcd {
 
 unsigned ThreadsFor(unsigned threads) { return threads ? threads : std::max(1u, std::thread::hardware_concurrency()); }
 
-namespace {
+namespace detail {
 
 /// A loop that threads share. It lives in the function that runs it.
 class Loop {
@@ -65,7 +65,7 @@ class Loop {
     std::exception_ptr failure;
 };
 
-} // namespace
+} // namespace detail
 
 /// Threads that help with loops that are open, the innermost first.
 class LoopHelpers::Crew {
@@ -86,7 +86,7 @@ class LoopHelpers::Crew {
             helper.join();
     }
 
-    void Run(Loop &loop, const std::function<void()> &whileWaiting) {
+    void Run(detail::Loop &loop, const std::function<void()> &whileWaiting) {
         {
             const std::lock_guard<std::mutex> guard(lock);
             open.push_back(&loop);
@@ -121,13 +121,14 @@ class LoopHelpers::Crew {
         Here() = this;
         std::unique_lock<std::mutex> guard(lock);
         while (!ends) {
-            const auto found = std::find_if(open.rbegin(), open.rend(),
-                                            [](const Loop *loop) { return loop->wanted > 0 && loop->IsLeft(); });
+            const auto found = std::find_if(open.rbegin(), open.rend(), [](const detail::Loop *loop) {
+                return loop->wanted > 0 && loop->IsLeft();
+            });
             if (found == open.rend()) {
                 hasWork.wait(guard);
                 continue;
             }
-            Loop &loop = **found;
+            detail::Loop &loop = **found;
             --loop.wanted;
             ++loop.here;
             guard.unlock();
@@ -141,7 +142,7 @@ class LoopHelpers::Crew {
     std::mutex lock;
     std::condition_variable hasWork, haveGone;
     std::vector<std::thread> helpers;
-    std::vector<Loop *> open;
+    std::vector<detail::Loop *> open;
     bool ends = false;
 };
 
@@ -166,7 +167,7 @@ void ParallelFor(unsigned threads, std::size_t n, std::size_t grain,
         return;
     }
     const LoopHelpers helpers; // if there are none
-    Loop loop(n, grain, count, body);
+    detail::Loop loop(n, grain, count, body);
     LoopHelpers::Crew::Here()->Run(loop, whileWaiting);
     loop.Rethrow();
 }

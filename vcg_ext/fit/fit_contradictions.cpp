@@ -136,8 +136,8 @@ std::vector<Contradiction> Contradictions(const RegionDeformer &deformer, const 
     std::vector<Contradiction> found;
     std::sort(out.begin(), out.end());
     for (std::size_t l : out)
-        if (const double strain = judge.Strain(l) / near[l]; strain >= std::max(least, mostStrain * usual))
-            found.push_back({l, strain});
+        if (const double left = judge.Strain(l) / near[l]; left >= std::max(least, mostStrain * usual))
+            found.push_back({l, left});
     if (found.size() > n / 3)
         found.clear();
     return found;

@@ -11,7 +11,7 @@ using vcg::fcd::MotionStep;
 const double farthestTwin = 0.05;
 
 /// A handle's position at rest, world: the vertex of a point, else the middle.
-static Eigen::Vector3d placeOf(const BendModel &model, int tag) {
+static Eigen::Vector3d handlePlace(const BendModel &model, int tag) {
     const auto point = model.state.points.find(tag);
     return point == model.state.points.end() ? model.rest(tag)
                                              : model.ground.world * model.ground.at(point->second.slot);
@@ -41,7 +41,7 @@ Eigen::Affine3d motionBy(const BendModel &model, int tag, const std::vector<Moti
 
 Eigen::Vector3d centerOf(const BendModel &model, int tag) { return motionAt(model, tag) * model.rest(tag); }
 
-Eigen::Vector3d dotOf(const BendModel &model, int tag) { return motionAt(model, tag) * placeOf(model, tag); }
+Eigen::Vector3d dotOf(const BendModel &model, int tag) { return motionAt(model, tag) * handlePlace(model, tag); }
 
 std::optional<Eigen::Vector3d> jointOf(const BendModel &model, int tag) {
     const auto extent = model.influence.extents.find(tag);
@@ -85,11 +85,11 @@ Eigen::Affine3d mirrorOf(const BendModel &model) {
 int mirrored(const BendModel &model, int tag) {
     if (model.options.mirror < 0 || !model.influence.isHandle(tag))
         return 0;
-    const Eigen::Vector3d own = placeOf(model, tag), there = mirrorOf(model) * own;
+    const Eigen::Vector3d own = handlePlace(model, tag), there = mirrorOf(model) * own;
     int found = tag; // on the mirror plane, it is its own twin
     double least = std::min(farthestTwin * model.ground.diagonal, (own - there).norm());
     for (const int other : model.influence.handles()) {
-        const double distance = (placeOf(model, other) - there).norm();
+        const double distance = (handlePlace(model, other) - there).norm();
         if (other != tag && distance < least) {
             least = distance;
             found = other;
@@ -101,7 +101,7 @@ int mirrored(const BendModel &model, int tag) {
 bool lacksTwin(const BendModel &model, int tag) {
     if (model.options.mirror < 0 || !model.influence.isHandle(tag) || mirrored(model, tag))
         return false;
-    const Eigen::Vector3d own = placeOf(model, tag);
+    const Eigen::Vector3d own = handlePlace(model, tag);
     return (mirrorOf(model) * own - own).norm() > farthestTwin * model.ground.diagonal;
 }
 

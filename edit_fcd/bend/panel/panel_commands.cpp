@@ -89,7 +89,7 @@ void BendPanel::showParts() {
 }
 
 /// A row with the choices of a parameter.
-static QComboBox *addChoice(QFormLayout &form, const char *name, const ParameterText &words) {
+static QComboBox *addShapeChoice(QFormLayout &form, const char *name, const ParameterText &words) {
     auto *choice = named(new QComboBox, name, words.help);
     choice->addItems(words.values);
     form.addRow(words.label, choice);
@@ -106,7 +106,7 @@ void BendPanel::addMore(QBoxLayout &column) {
     smoothnessValue->setSingleStep(0.002);
     smoothnessValue->setValue(0.0058);
     form->addRow("Smoothness", smoothnessValue);
-    falloffChoice = addChoice(*form, "falloff", falloffText());
+    falloffChoice = addShapeChoice(*form, "falloff", falloffText());
     const ParameterText words = elasticText();
     elastic = named(new QCheckBox(words.label), "elastic", words.help);
     form->addRow(elastic);
@@ -123,7 +123,7 @@ void BendPanel::addMore(QBoxLayout &column) {
     patchCount->setRange(0, 20000);
     patchCount->setSpecialValueText("automatic");
     form->addRow("Detail", patchCount);
-    weightsChoice = addChoice(*form, "distances", weightsText());
+    weightsChoice = addShapeChoice(*form, "distances", weightsText());
     motionText = new QPlainTextEdit;
     motionText->setObjectName("motions");
     motionText->setFixedHeight(58);

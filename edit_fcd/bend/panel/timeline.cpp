@@ -9,8 +9,8 @@
 #include <QMouseEvent>
 #include <QPainter>
 
-const int edge = 8, markAt = 8, markSize = 4; // pixels
-const double grasp = 4;                       // pixels: a press so near is on a mark
+const int barEdge = 8, markAt = 8, markSize = 4; // pixels
+const double grasp = 4;                          // pixels: a press so near is on a mark
 
 BendTimeline::BendTimeline(QWidget *parent) : QWidget(parent) {
     setObjectName("timeline");
@@ -21,7 +21,7 @@ BendTimeline::BendTimeline(QWidget *parent) : QWidget(parent) {
 }
 
 FrameScale BendTimeline::scale() const {
-    return {key, AnimationExport().rate, double(edge), double(width() - 2 * edge)};
+    return {key, AnimationExport().rate, double(barEdge), double(width() - 2 * barEdge)};
 }
 
 void BendTimeline::show(const std::vector<double> &times) {
@@ -48,7 +48,7 @@ void BendTimeline::paintEvent(QPaintEvent *) {
     painter.setRenderHint(QPainter::Antialiasing);
     const FrameScale at = scale();
     painter.setPen(QPen(palette().color(QPalette::Mid), 2));
-    painter.drawLine(QPointF(edge, markAt), QPointF(width() - edge, markAt));
+    painter.drawLine(QPointF(barEdge, markAt), QPointF(width() - barEdge, markAt));
     QFont small = font();
     small.setPixelSize(10);
     painter.setFont(small);

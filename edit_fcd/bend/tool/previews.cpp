@@ -9,7 +9,7 @@ using vcg::fcd::LineGoal;
 using vcg::fcd::Progress;
 
 /// The answer for points of the line that is used.
-static BendLinePreview::Found through(const Eigen::Matrix3Xd &points, double smoothing) {
+static BendLinePreview::Found previewOf(const Eigen::Matrix3Xd &points, double smoothing) {
     BendLinePreview::Found found;
     found.points = points;
     const vcg::fcd::FramedLine line(points, smoothing);
@@ -39,7 +39,7 @@ void BendLinePreview::look(const MeshModel &layer, std::uint64_t shape, const Li
     isLast = false;
     if (!goal.middle) {
         try {
-            found = through(goal.line, goal.smoothing);
+            found = previewOf(goal.line, goal.smoothing);
         } catch (const vcg::fcd::Error &e) {
             found = {};
             found.error = e.what();
@@ -64,9 +64,9 @@ void BendLinePreview::begin() {
             search->surface->prepare(param, progress.Slice(0, 0.7));
         if (search->goal.line.cols() > 1) {
             vcg::fcd::StraightenReport report;
-            search->found = through(vcg::fcd::LineOf(search->goal, *search->surface->prepared->deformer,
-                                                     search->surface->world, progress.Slice(0.7, 1), &report),
-                                    search->goal.smoothing);
+            search->found = previewOf(vcg::fcd::LineOf(search->goal, *search->surface->prepared->deformer,
+                                                       search->surface->world, progress.Slice(0.7, 1), &report),
+                                      search->goal.smoothing);
             search->found.report = std::move(report);
         }
     };

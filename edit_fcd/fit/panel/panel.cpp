@@ -13,7 +13,7 @@
 
 // The slider is logarithmic: 100 steps are a factor of 10.
 static double stiffnessAt(int place) { return std::pow(10, place / 100.0); }
-static int placeOf(double stiffness) { return int(std::lround(100 * std::log10(stiffness))); }
+static int sliderPlace(double stiffness) { return int(std::lround(100 * std::log10(stiffness))); }
 
 FitPanel::FitPanel(QWidget *parent) : ToolPanel("FCD: Fit", "fcdFitPanel", 4, 5, parent) {
     addLayers(*head);
@@ -112,7 +112,7 @@ void FitPanel::addShape(QBoxLayout &column) {
     stiffness =
         named(new QSlider(Qt::Horizontal), "stiffness",
               "How rigid the surface is in a pull: softer follows finer detail, stiffer smooths over noise and holes");
-    stiffness->setRange(placeOf(FitOptions::leastStiffness), placeOf(FitOptions::mostStiffness));
+    stiffness->setRange(sliderPlace(FitOptions::leastStiffness), sliderPlace(FitOptions::mostStiffness));
     stiffnessText = new QLabel("1");
     stiffnessText->setMinimumWidth(36);
     stiff->addWidget(stiffness);
@@ -219,7 +219,7 @@ FitOptions FitPanel::options() const {
 
 void FitPanel::showOptions(const FitOptions &options) {
     const QSignalBlocker blocked(this);
-    stiffness->setValue(placeOf(options.stiffness));
+    stiffness->setValue(sliderPlace(options.stiffness));
     start->setCurrentIndex(int(options.start));
     largest->setValue(options.largestDistance);
     weights->setCurrentIndex(int(options.weights));
