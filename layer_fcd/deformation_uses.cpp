@@ -16,6 +16,7 @@
 #include <sstream>
 #include <utility>
 
+#define XXH_INLINE_ALL
 #include <xxhash.h>
 
 using vcg::fcd::DeformationField;
