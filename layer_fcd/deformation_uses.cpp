@@ -16,7 +16,6 @@
 #include <sstream>
 #include <utility>
 
-#define XXH_INLINE_ALL
 #include <xxhash.h>
 
 using vcg::fcd::DeformationField;

@@ -12,7 +12,6 @@
 #include <optional>
 #include <utility>
 
-#define XXH_INLINE_ALL
 #include <xxhash.h>
 
 using vcg::fcd::ParallelFor;

@@ -11,7 +11,6 @@
 #include <type_traits>
 #include <vector>
 
-#define XXH_INLINE_ALL
 #include <xxhash.h>
 
 #include <QCborArray>
