@@ -2,7 +2,7 @@
 // What libFuzzer comes up with goes through every reader: each returns a valid value, or throws an Error that says
 // where.
 //   build/fuzz/tests/fcd_fuzz -dict=tests/fuzz/words.dict FOLDER tests/fuzz/corpus    (FOLDER keeps what is found)
-#include "../../layer_fcd/bend_text.h"
+#include "../../layer_fcd/bend_state.h"
 #include "../../layer_fcd/picked_points.h"
 #include <vcg_ext/base/words.h>
 #include <vcg_ext/field/deformation_file.h>
