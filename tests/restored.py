@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parent / "python"))
+ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT / "tests/python"), str(ROOT / "examples")]
 import test_compensate as part
 import test_symmetrize as skulls
 from pymeshlab_fcd import compensate, symmetrize
