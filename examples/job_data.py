@@ -74,13 +74,17 @@ def skull(at: Points, seed: int) -> Points:
     return at * height[:, None] * [0.75, 1.0, 0.85]
 
 
-def buried(points: Points, shear: float = 0.08, bend: float = 0.06) -> Points:
-    """Sheared, bent to one side, and anywhere."""
+def bent(points: Points, shear: float = 0.08, bend: float = 0.06) -> Points:
+    """Sheared, and bent to one side."""
     p = points.copy()
     p[:, 0] += shear * (0.8 * p[:, 1] - 0.6 * p[:, 2])
     angle = bend * p[:, 1]
-    p = np.stack([(p[:, 0] + 1 / bend) * np.cos(angle) - 1 / bend, (p[:, 0] + 1 / bend) * np.sin(angle), p[:, 2]], 1)
-    return turned(p) + [3, -1, 2]
+    return np.stack([(p[:, 0] + 1 / bend) * np.cos(angle) - 1 / bend, (p[:, 0] + 1 / bend) * np.sin(angle), p[:, 2]], 1)
+
+
+def buried(points: Points, shear: float = 0.08, bend: float = 0.06) -> Points:
+    """Sheared, bent to one side, and anywhere."""
+    return turned(bent(points, shear, bend)) + [3, -1, 2]
 
 
 def sides(seed: int, count: int = 14) -> Points:

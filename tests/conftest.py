@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the host tests share: the sample meshes that pymeshlab ships, and the optional benchmark meshes beside the checkout."""
+"""What the host tests share: the examples, the sample meshes that pymeshlab ships, and the optional benchmark meshes beside the checkout."""
 import lzma
 import os
 import re
 import subprocess
+import sys
 import time
 from pathlib import Path
 
 import numpy as np
 import pymeshlab
 import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "examples"))
 
 SAMPLES = Path(pymeshlab.__file__).parent / "tests" / "sample_meshes"
 SHARED = Path(__file__).resolve().parents[2] / "shared"

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pymeshlab
 import pytest
+from job_data import MIRROR, ball, bent, skull
 
 from host_pymeshlab import COPY, SURFACE_RETURNS, assert_unchanged, check_returned, new_set, point_file, snapshot
 
@@ -17,39 +18,6 @@ RETURNS = {
     **SURFACE_RETURNS, **{f"plane_{what}_{axis}": float for what in ("point", "normal") for axis in "xyz"}, "plane_is_sure": bool,
     "rms_before": float, "rms_after": float, "asymmetry": float, "asymmetry_most": float, "moved": float, "moved_most": float, "matched": float,
     "pairs": int, "midline_points": int, "mirrored_vertices": int, "folded_triangles": int, "contact_triangles": int, "contact_depth": float, "nodes": int, "converged": bool, "seconds": float}
-MIRROR = np.array([-1, 1, 1.0])
-
-
-def skull(rings=50, around=70):
-    """Symmetric about x = 0, with features; its triangles are not symmetric: (points, faces)."""
-    z, a = np.meshgrid(np.cos(np.pi * (np.arange(rings) + 0.5) / rings), 2 * np.pi * (np.arange(around) + 0.3) / around, indexing="ij")
-    r = np.sqrt(1 - z**2)
-    here = np.arange(around)
-    beside = np.roll(here, -1)
-    faces = [face for k in range(rings - 1) for face in (
-        np.stack([here, here + around, beside], 1) + k * around, np.stack([beside, here + around, beside + around], 1) + k * around)]
-    turn = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 3)))[0]
-    turn[:, 0] *= np.sign(np.linalg.det(turn))
-    return grown(np.stack([r * np.cos(a), r * np.sin(a), z], 2).reshape(-1, 3) @ turn), np.concatenate(faces).astype(np.int32)
-
-
-def grown(at):
-    random, height = np.random.default_rng(1), np.ones(len(at))
-    for k in range(14):
-        middle = random.normal(size=3) * [k % 4 > 0, 1, 1]
-        middle /= np.linalg.norm(middle)
-        width, bump = random.uniform(0.12, 0.45), random.uniform(-0.18, 0.22)
-        for side in [1, -1][: 1 + (middle[0] != 0)]:
-            height += bump * np.exp(-((at - middle * [side, 1, 1]) ** 2).sum(1) / width**2 / 2)
-    return at * height[:, None] * [0.75, 1.0, 0.85]
-
-
-def buried(points, shear=0.08, bend=0.06):
-    """Sheared, and bent to one side."""
-    p = points.copy()
-    p[:, 0] += shear * (0.8 * p[:, 1] - 0.6 * p[:, 2])
-    angle = bend * p[:, 1]
-    return np.stack([(p[:, 0] + 1 / bend) * np.cos(angle) - 1 / bend, (p[:, 0] + 1 / bend) * np.sin(angle), p[:, 2]], 1)
 
 
 def off(points, truth):
@@ -60,12 +28,13 @@ def off(points, truth):
     return 100 * np.sqrt(((a @ turn - b) ** 2).sum(1).mean()) / np.linalg.norm(np.ptp(truth, axis=0))
 
 
-TRUTH, FACES = skull()
+AT, FACES = ball(50, 70)
+TRUTH, FACES = skull(AT, 1), FACES.astype(np.int32)
 
 
 def layers(points=None, faces=FACES):
     ms = new_set()
-    ms.add_mesh(pymeshlab.Mesh(vertex_matrix=buried(TRUTH) if points is None else points, face_matrix=faces), "skull")
+    ms.add_mesh(pymeshlab.Mesh(vertex_matrix=bent(TRUTH) if points is None else points, face_matrix=faces), "skull")
     return ms
 
 
@@ -73,7 +42,7 @@ def landmarks(count=14):
     random = np.random.default_rng(4)
     side = random.normal(size=(count, 3))
     side /= np.linalg.norm(side, axis=1)[:, None]
-    return buried(grown(side)), buried(grown(side * MIRROR))
+    return bent(skull(side, 1)), bent(skull(side * MIRROR, 1))
 
 
 def logged(ms, capfd, **parameters):
@@ -89,11 +58,11 @@ def test_what_is_done_is_logged(capfd):
     result, log = logged(ms, capfd)
     check_returned(result, RETURNS)
     assert "as the surface tells it" in log and "(rms) from its mirror image" in log and result["plane_is_sure"] and result["converged"]
-    assert off(ms.current_mesh().vertex_matrix(), TRUTH) < 0.2 and off(buried(TRUTH), TRUTH) > 0.8
+    assert off(ms.current_mesh().vertex_matrix(), TRUTH) < 0.2 and off(bent(TRUTH), TRUTH) > 0.8
     assert result["rms_after"] < 0.1 * result["rms_before"] and 0 < result["moved"] < result["asymmetry"] < result["asymmetry_most"]
     assert ms.current_mesh().vertex_scalar_array().max() == pytest.approx(result["asymmetry_most"], rel=0.3)
     assert [ms.mesh(i).label() for i in range(4)] == ["skull", "skull graph", "skull deformed graph", "skull symmetrized"]
-    other = 0.9 * buried(TRUTH)
+    other = 0.9 * bent(TRUTH)
     ms.add_mesh(pymeshlab.Mesh(vertex_matrix=other), "inside")
     ms.apply_filter(COPY, source_layer=0, rest_graph=1, deformed_graph=2)
     assert off(ms.current_mesh().vertex_matrix(), 0.9 * TRUTH) < 0.4
@@ -120,7 +89,7 @@ def test_the_good_side_is_mirrored(capfd):
     gone = ((TRUTH - [0.6, 0.3, 0.3]) ** 2).sum(1) < 0.15
     number = np.cumsum(~gone) - 1
     faces = number[FACES[(~gone)[FACES].all(axis=1)]].astype(np.int32)
-    ms = layers(buried(TRUTH)[~gone], faces)
+    ms = layers(bent(TRUTH)[~gone], faces)
     result, log = logged(ms, capfd, mirror_missing=True, graph_layers=False, symmetrized_quality=3)
     assert off(ms.current_mesh().vertex_matrix(), TRUTH[~gone]) < 0.3 and "mirrored over what is missing" in log
     missing = ms.mesh(1)
@@ -143,7 +112,7 @@ def test_landmarks_from_files(tmp_path):
     pairs.write_text("\n".join(", ".join(map(repr, [*a, *b])) for a, b in zip(left.tolist(), right.tolist())) + "\n")
     middle = np.argsort(np.abs(TRUTH[:, 0]))[:4]
     midline = tmp_path / "midline.csv"
-    midline.write_text("\n".join(", ".join(map(repr, p)) for p in buried(TRUTH)[middle].tolist()) + "\n")
+    midline.write_text("\n".join(", ".join(map(repr, p)) for p in bent(TRUTH)[middle].tolist()) + "\n")
     ms = layers()
     result = ms.apply_filter(SYMMETRIZE, pairs_file=str(pairs), midline_file=str(midline))
     assert result["pairs"] == 14 and result["midline_points"] == 4 and off(ms.current_mesh().vertex_matrix(), TRUTH) < 0.2
