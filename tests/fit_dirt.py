@@ -29,8 +29,10 @@ def dirty(pair):
     sources = versions(pair.points, pair.faces)
     same = dict.fromkeys(sources, (pair.target, pair.target_faces))
     targets = versions(pair.target, pair.target_faces) if len(pair.target_faces) else same
-    return {name: (replace(pair, points=points, faces=faces.astype(np.int32), target=targets[name][0],
-                           target_faces=targets[name][1].astype(np.int32)), own) for name, (points, faces, own) in sources.items()}
+    return {name: (replace(pair, points=points, faces=faces.astype(np.int32), truth=pair.truth[own], target=targets[name][0],
+                           target_faces=targets[name][1].astype(np.int32),
+                           landmarks=np.array([np.flatnonzero(own == i)[0] for i in pair.landmarks], int)), own)
+            for name, (points, faces, own) in sources.items()}
 
 
 def apart(positions, own, clean, truth):

@@ -153,7 +153,8 @@ def main():
             notes.append(f"worst of {arguments.seeds} seeds {number(worst)}, {worst / one['rms']:.2f} medians")
         if arguments.dirty:
             versions = from_clean(pair, fitted(pair, **parameters)[0] if arguments.seeds > 1 else positions, **parameters)
-            notes.append("from clean: " + ", ".join(f"{dirt} {number(off)}" for dirt, off in versions))
+            dirt, off = max(versions, key=lambda version: version[1])
+            notes.append(f"dirty, off the clean fit by {number(off)} at most ({dirt})")
         print(f"| {name}: {recipe.__doc__} | {half} | {len(pair.points)}, {len(pair.target)} | {number(one['before'])} | {number(one['rms'])} | "
               f"{number(one['median'])} | {number(one['surface'])} | {one['folded']} | {result['matched']:.2f} | {seconds:.2f} | "
               f"{'; '.join(notes)} |", flush=True)

@@ -6,31 +6,31 @@
 #   bash tests/run.sh        whether it works here
 #   bash tests/run.sh all    and what protects a release
 #
-# What each suite has, and what it costs: seconds of a core, on two cores that do nothing else, the first time.
+# What each suite has, the longest first; each tells its seconds as it ends.
 #
-#   in both      tools-2020.09      204  FCD: Bend and FCD: Fit by a scripted mouse in MeshLab's window, several windows at a time
-#                unit                85  the unit tests, on the method as the plugin has it (with "all" faults and meshes/, too)
-#                unit-build          57  ... are compiled (with "all" 355: the method as sanitizers want it, too)
-#                python-package     133  the wheel: with numpy alone, and with pymeshlab and what examples/ need; types
-#                pymeshlab-2025.7   128  the filters in the newest pymeshlab, fits
-#                hosts               57  the rest of the set-up (with "all" 209: all hosts, and by GCC that of the window)
-#                meshlab-2020.09     43  meshlabserver
-#                window-2020.09      33  the filters' dialogs
-#                rooms                0  who includes whom
-#   with "all"   python-release     379  the source distribution; the package's tests with UndefinedBehaviorSanitizer and assertions
-#                unit-addresses     181  AddressSanitizer, UndefinedBehaviorSanitizer, coverage
-#                unit-threads       117  ThreadSanitizer
-#                sanitized-plugins   80  what is between MeshLab and the method, for:
-#                sanitized-host     118  ... pymeshlab, with coverage
-#                sanitized-window    18  ... and the window
-#                meshlab-faults      78  valgrind, and faults at each report and step of memory in meshlabserver
-#                pymeshlab-faults    48  the same faults in pymeshlab
-#                fuzz                53  the readers
-#                pymeshlab-2022.2    50  the older pymeshlab
-#                clang-tidy-*        92  of the method, layer_fcd, filter_fcd and edit_fcd
-#                cppcheck            36
-#                package             22  the library as others take it, by GCC
-#                manual, messages     3  links of the manual; that a test has seen each message
+#   in both      tools-2020.09       FCD: Bend and FCD: Fit by a scripted mouse in MeshLab's window, several windows at a time
+#                unit                the unit tests, on the method as the plugin has it (with "all" faults and meshes/, too)
+#                unit-build          ... are compiled (with "all" the method as sanitizers want it, too)
+#                python-package      the wheel: with numpy alone, and with pymeshlab and what examples/ need; types
+#                pymeshlab-2025.7    the filters in the newest pymeshlab, fits
+#                hosts               the rest of the set-up (with "all" all hosts, and by GCC that of the window)
+#                meshlab-2020.09     meshlabserver
+#                window-2020.09      the filters' dialogs
+#                rooms               who includes whom
+#   with "all"   python-release      the source distribution; the package's tests with UndefinedBehaviorSanitizer and assertions
+#                unit-addresses      AddressSanitizer, UndefinedBehaviorSanitizer, coverage
+#                unit-threads        ThreadSanitizer
+#                sanitized-plugins   what is between MeshLab and the method, for:
+#                sanitized-host      ... pymeshlab, with coverage
+#                sanitized-window    ... and the window
+#                meshlab-faults      valgrind, and faults at each report and step of memory in meshlabserver
+#                pymeshlab-faults    the same faults in pymeshlab
+#                fuzz                the readers
+#                pymeshlab-2022.2    the older pymeshlab
+#                clang-tidy-*        of the method, layer_fcd, filter_fcd and edit_fcd
+#                cppcheck            of all
+#                package             the library as others take it, by GCC
+#                manual, messages    links of the manual; that a test has seen each message
 set -uo pipefail
 shopt -s nullglob
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
