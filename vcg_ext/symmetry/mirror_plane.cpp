@@ -42,11 +42,12 @@ namespace {
 // Number of directions that are tried: about 10 degrees apart, so that one is within about 8 degrees of any. Unless a
 // shape is round, matching finds the plane from 20 degrees away.
 constexpr int directions = 200;
-constexpr std::size_t few = 300, tried = 10; // points that are matched; least number of directions to match from
-constexpr int steps = 60;                    // of matching at most
-constexpr double rest = 1e-5;                // a plane rests if a step turns (radians) and shifts it by less in sum
+constexpr std::size_t few = 300;  // points that are matched
+constexpr std::size_t tried = 10; // least number of planes to match from, and to keep
+constexpr int steps = 60;         // of matching at most
+constexpr double rest = 1e-5;     // a plane rests if a step turns (radians) and shifts it by less in sum
 // Cosines above which two normals are of the same plane: 15 degrees before matching, 5 after it, as much as a shear may
-// turn them.
+// turn them. Neighbours of a start may come to rest far from it. They are tried, too, if some plane stands out.
 constexpr double sameStart = 0.966, sameAtRest = 0.996;
 // Planes with up to so many times the misfit of the best one are kept, before and after matching. A bent shape fits
 // nowhere well and a round one nearly everywhere, so the best may be so by chance.
@@ -152,17 +153,25 @@ TriedPlanes FindPlanes(const std::vector<Eigen::Vector3d> &points, const std::ve
         return std::any_of(list.begin(), list.end(),
                            [&](const Candidate &b) { return std::abs(a.plane.normal.dot(b.plane.normal)) > same; });
     };
-    std::vector<Candidate> best; // without neighbours of better ones
-    for (const Candidate &each : all)
-        if ((best.size() < tried || each.misfit <= nearly * all[0].misfit) && !isAmong(best, each, sameStart))
+    std::vector<Candidate> best, apart; // the latter without neighbours of better ones
+    for (const Candidate &each : all) {
+        if (apart.size() >= tried && each.misfit > nearly * all[0].misfit)
+            break;
+        const bool isApart = !isAmong(apart, each, sameStart);
+        if (isApart)
+            apart.push_back(each);
+        if (isApart || found.standOut)
             best.push_back(each);
+    }
     ParallelTasks(
         progress.Slice(0.3, 1), "Looking for the plane", best.size(),
         [&](std::size_t i, const Progress &its) { best[i] = AtRest(best[i].plane, someOf, normalOf, surface, its); });
     std::stable_sort(best.begin(), best.end(), isBetter);
+    const std::size_t least = best[0].misfit > asGood ? tried : 1;
     std::vector<Candidate> kept; // several starts may come to rest in one plane
     for (const Candidate &each : best)
-        if (each.misfit <= nearly * std::max(best[0].misfit, asGood) && !isAmong(kept, each, sameAtRest)) {
+        if ((kept.size() < least || each.misfit <= nearly * std::max(best[0].misfit, asGood)) &&
+            !isAmong(kept, each, sameAtRest)) {
             kept.push_back(each);
             found.planes.push_back(each.plane);
         }
