@@ -271,10 +271,14 @@ HostFilterPlugin::ReturnedValues valuesOf(const SavedDeformation &saved) {
 
 std::vector<std::string> warningsOf(const SavedDeformation &saved) {
     std::vector<std::string> warnings;
-    if (const vcg::fcd::Index off = saved.field.off + saved.field.stirred; off > 0) {
+    if (const vcg::fcd::SampledField &field = saved.field; field.off + field.stirred > 0) {
         std::ostringstream line;
-        line << off << " vertices of the source are farther off than " << saved.field.accuracy
-             << ": parts at one place move differently there, or a million samples are not enough. If that matters, "
+        if (field.off > 0)
+            line << field.off << " vertices of the source are farther off than " << field.accuracy
+                 << (field.stirred > 0 ? " and " : "");
+        if (field.stirred > 0)
+            line << field.stirred << " vertices of the source that rest move";
+        line << ": parts at one place move differently there, or a million samples are not enough. If that matters, "
                 "use the graph layers.";
         warnings.push_back(line.str());
     }

@@ -250,7 +250,8 @@ nb::tuple Posed::field(bool inverse, double accuracy, const nb::object &report) 
     });
     nb::dict all;
     all["accuracy"] = sampled.accuracy;
-    all["off"] = sampled.off + sampled.stirred;
+    all["off"] = sampled.off;
+    all["stirred"] = sampled.stirred;
     all["folded"] = folded;
     all["seconds"] = watch.Seconds();
     return nb::make_tuple(std::move(made), all);

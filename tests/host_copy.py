@@ -451,14 +451,16 @@ def test_the_checksum_is_that_of_other_programs_and_tells_what_was_changed(tmp_p
         ms.apply_filter(COPY, deformation_file=str(tmp_path / "flip.ply"))
 
 
-def test_the_largest_difference_is_that_of_all_vertices(tmp_path):
+def test_the_largest_difference_is_that_of_all_vertices(tmp_path, capfd):
     ms, _ = touching_sheets()
+    ms.set_verbosity(True)
     rest = ms.current_mesh().vertex_matrix()
     ms.apply_filter(DEFORM, translation=np.array([0, 0, 8.0]))
     result = saved(ms, tmp_path / "bend.ply")
     points, _ = applied(rest, tmp_path / "bend.ply")
     error = np.linalg.norm(points - ms.mesh(3).vertex_matrix(), axis=1).max()
     assert error > 0.1 and abs(result["largest_difference"] - error) < 1e-6 * error
+    assert re.search(r"\d+ vertices of the source are farther off than [0-9.e-]+: parts at one place", capfd.readouterr().err)
 
 
 def test_saving_twice_gives_the_same_file_and_an_error_leaves_it(tmp_path):

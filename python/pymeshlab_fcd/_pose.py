@@ -343,10 +343,14 @@ class Pose(Unchanging):
         if told["folded"] > 0:
             found.append((FoldWarning, f"The pose folds the surface at {told['folded']} vertices: these have no way back, and points "
                                        "near them may come to another place."))
+        wrong = []
         if told["off"] > 0:
-            found.append((AccuracyWarning, f"{told['off']} vertices are farther off than {told['accuracy']:g}, up to "
-                                           f"{made.largest_difference:g}: parts at one place move differently there, or a million "
-                                           "samples are not enough. If that matters, use Pose.map."))
+            wrong.append(f"{told['off']} vertices are farther off than {told['accuracy']:g}, up to {made.largest_difference:g}")
+        if told["stirred"] > 0:
+            wrong.append(f"{told['stirred']} vertices that rest move")
+        if wrong:
+            found.append((AccuracyWarning, " and ".join(wrong) + ": parts at one place move differently there, or a million samples are not "
+                                           "enough. If that matters, use Pose.map."))
         warn(found, level)
         return made
 

@@ -783,11 +783,14 @@ def test_a_deformation_is_as_exact_as_is_asked(bent, tmp_path):
     assert bent[1].deformation() == bent[1].deformation(accuracy=0)
 
 
-def test_a_deformation_that_cannot_be_told_by_samples_says_so():
+@pytest.mark.parametrize("second, told", [(-1, "^[0-9]+ vertices that rest move: parts"), (3, "vertices are farther off than 0.00[0-9]*, up to [0-9.]*: parts")])
+def test_a_deformation_that_cannot_be_told_by_samples_says_so(second, told):
     vertices, faces, tags, lift = bar()
-    two = np.concatenate([vertices, vertices + [0, 0, 1e-9]])  # a second sheet at the same place, which stays
-    with pytest.warns(fcd.AccuracyWarning, match="farther off than 0.00[0-9]*, up to"):
-        pymeshlab_fcd.deformation(two, np.concatenate([faces, faces + len(vertices)]), np.concatenate([tags, np.full(len(vertices), -1)]), {2: lift})
+    two = np.concatenate([vertices, vertices + [0, 0, 1e-9]])  # a second sheet at the same place, which stays, or moves elsewhere
+    others = np.full(len(vertices), -1) if second < 0 else np.where(tags == 2, second, tags)
+    motions = {2: lift} if second < 0 else {2: lift, second: np.linalg.inv(lift)}
+    with pytest.warns(fcd.AccuracyWarning, match=told):
+        pymeshlab_fcd.deformation(two, np.concatenate([faces, faces + len(vertices)]), np.concatenate([tags, others]), motions)
 
 
 def test_a_triangle_far_away_makes_nothing_slow():
