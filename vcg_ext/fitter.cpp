@@ -2,6 +2,7 @@
 #include <vcg_ext/fit.h>
 
 #include <algorithm>
+#include <numeric>
 
 namespace vcg::fcd {
 
@@ -38,6 +39,42 @@ bool IsInParts(const SurfaceView &source, const Deformer &deformer, const Progre
     return !area.empty() && 3 * *std::max_element(area.begin(), area.end()) < all;
 }
 
+// Of a surface in parts, those with less than a twentieth of the area of the median part (by area), less than a quarter
+// as wide, are crumbs: their places tell nothing of how the others bend.
+constexpr double crumbShare = 0.05;
+
+/// Which vertex slots of a surface in parts are crumbs', or of no face. None where these have a twentieth of the area,
+/// or half of the places: then they are the surface.
+std::vector<char> CrumbsOf(const SurfaceView &source, const Progress &progress) {
+    const SurfaceGraph surface = BuildSurfaceGraph(source, progress.Slice(0, 0.8));
+    std::vector<Index> componentOf;
+    const Index parts = ConnectedComponents(surface.graph.adjacency, componentOf, progress.Slice(0.8, 1), readingStage);
+    std::vector<double> area(std::size_t(parts), 0);
+    for (Index u = 0; u < surface.graph.Size(); ++u)
+        area[std::size_t(componentOf[u])] += double(surface.nodeArea[u]);
+    std::vector<double> sorted = area;
+    std::sort(sorted.begin(), sorted.end());
+    const double all = std::accumulate(sorted.begin(), sorted.end(), 0.);
+    double below = 0; // area of the parts that are smaller than the median one
+    auto median = sorted.begin();
+    for (; median != sorted.end() - 1 && 2 * (below + *median) < all; ++median)
+        below += *median;
+    const double least = crumbShare * *median;
+    const auto isCrumb = [&](Index u) { return area[std::size_t(componentOf[u])] < least; };
+    double crumbs = 0; // their area
+    Index places = 0;
+    for (Index u = 0; u < surface.graph.Size(); ++u)
+        if (isCrumb(u)) {
+            crumbs += double(surface.nodeArea[u]);
+            ++places;
+        }
+    const bool isDirt = crumbs < crumbShare * all && 2 * places < surface.graph.Size();
+    std::vector<char> found(source.vertexSlots, 0);
+    for (std::size_t i = 0; isDirt && i < found.size(); ++i)
+        found[i] = surface.nodeOf[i] >= 0 && isCrumb(surface.nodeOf[i]);
+    return found;
+}
+
 } // namespace
 
 Fitter::Fitter(const SurfaceView &source, const NormalOf &normal, const Handles &handles, const FitParam &param,
@@ -54,15 +91,20 @@ Fitter::Fitter(const SurfaceView &source, const NormalOf &normal, const Handles 
     if (std::find(tag.begin(), tag.end(), 1) == tag.end())
         throw BadInput(
             "There is nothing to fit: only single vertices are free. Give a surface, or points all over one.");
+    std::vector<char> crumb; // one per slot, or empty: none
     if (!source.isCloud &&
         IsInParts(source, *deformer, progress.Slice(0.65, 0.7))) { // join parts that lie near, as points
         SurfaceView points = source;
         points.faces = points.edges = 0;
         points.isCloud = true;
-        deformer = PrepareDeformer(points, handles, param, progress.Slice(0.7, 0.9));
+        crumb = CrumbsOf(source, progress.Slice(0.7, 0.75));
+        deformer = PrepareDeformer(points, handles, param, progress.Slice(0.75, 0.9));
     }
-    if (weight && !FollowsAlone())
-        nodeWeight = WeightsAtNodes(source, weight, *deformer);
+    if ((weight || !crumb.empty()) && !FollowsAlone()) {
+        const auto own = [&](std::size_t i) { return weight ? weight(i) : 1; };
+        nodeWeight = WeightsAtNodes(
+            source, [&](std::size_t i) { return !crumb.empty() && crumb[i] ? 0 : own(i); }, *deformer);
+    }
     sample = EvenSample(deformer->Whole(), std::size_t(param.samples), nodeWeight);
     if (sample.empty() && !nodeWeight.empty())
         throw BadInput("The weights of the surface are 0 wherever it is free, so nothing can be matched. Raise them "

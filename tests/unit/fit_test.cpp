@@ -886,6 +886,35 @@ TEST(Fit, CrumbsAreNotWhatASurfaceIs) {
     EXPECT_LT(most / std::hypot(10, 6), 1.5e-3);
 }
 
+// Of a sheet in a hundred parts, crumbs above it tell nothing of where it belongs, wherever there are crumbs.
+TEST(Fit, CrumbsAmongPartsAreNotMatched) {
+    const auto cut = [](Shape sheet) {
+        const auto partOf = [&](int i) {
+            return std::floor(1.25 * sheet.position[std::size_t(i)][0]) * 100 +
+                   std::floor(1.25 * sheet.position[std::size_t(i)][1]);
+        };
+        sheet.face.erase(
+            std::remove_if(sheet.face.begin(), sheet.face.end(),
+                           [&](const auto &f) { return partOf(f[0]) != partOf(f[1]) || partOf(f[0]) != partOf(f[2]); }),
+            sheet.face.end());
+        return sheet;
+    };
+    const auto littered = [](Shape shape, std::size_t step) {
+        for (std::size_t i = 0, n = shape.position.size(); i < n; i += step) {
+            const int first = int(shape.position.size());
+            const Vector3d p = shape.position[i] + Vector3d(0.1, 0.1, 0.2);
+            for (const Vector3d &corner : {Vector3d(0, 0, 0), Vector3d(0.06, 0, 0), Vector3d(0, 0.06, 0)})
+                shape.position.push_back(p + corner);
+            shape.face.push_back({first, first + 1, first + 2});
+        }
+        return shape;
+    };
+    const Shape sheet = cut(BumpySheet(49, 29)), other = cut(BumpySheet(53, 31)), belongs = Rolled(sheet);
+    const auto isSheet = [&](std::size_t i) { return i < sheet.position.size(); };
+    const double clean = Rms(Fit(sheet, Rolled(other)), belongs, isSheet);
+    EXPECT_LT(Rms(Fit(littered(sheet, 5), Rolled(littered(other, 7))), belongs, isSheet), 1.5 * clean);
+}
+
 // As exporters of thin shells write them, and tools that flip faces: a face counts once, and all are turned to one
 // side.
 TEST(Fit, FacesCountOnceAndAllLookToOneSide) {
