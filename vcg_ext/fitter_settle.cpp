@@ -16,14 +16,14 @@ namespace {
 // tests/fit_recipes.py bend by 0.055 at most, and gain little by it. Of eleven long shapes, bent by 75 to 120 degrees,
 // which bend by 0.07 to 0.24, ten come nearer by it, by up to 70 %.
 constexpr double bentFar = 0.06;
-// A fit that follows the target's noise is made stiffer: by the factor `stiffer`, up to stifferTimes, in stifferSteps
-// each. This goes on until the correlation of the distances is noiseLeft of what it was, the distances grow by more
-// than mostNoise (Morozov's discrepancy principle), or more than comesOff of the samples come off the target. Chosen on
-// 32 shapes made by formula, smooth, with relief, open and halved; stifferTimes on 11 pairs of scans of the training
-// half, where twice as often made no difference. Nodes that move by more than the noise had followed the shape (a
-// limb's tip, a slide along the target), and stay soft. This rule fails if the noise is above strongNoise (of the
-// diagonal): such noise moves the surface by more than itself. (The scans had 0.0007 at most, a shape made by formula
-// with strong noise 0.0016.)
+// A fit that follows the target's noise, and may therefore not come to rest, is made stiffer: by the factor `stiffer`,
+// up to stifferTimes, in stifferSteps each. This goes on until the correlation of the distances is noiseLeft of what it
+// was, the distances grow by more than mostNoise (Morozov's discrepancy principle), or more than comesOff of the
+// samples come off the target. Chosen on 32 shapes made by formula, smooth, with relief, open and halved; stifferTimes
+// on 11 pairs of scans of the training half, where twice as often made no difference. Nodes that move by more than the
+// noise had followed the shape (a limb's tip, a slide along the target), and stay soft. This rule fails if the noise is
+// above strongNoise (of the diagonal): such noise moves the surface by more than itself. (The scans had 0.0007 at most,
+// a shape made by formula with strong noise 0.0016.)
 constexpr double stiffer = 3, noiseLeft = 0.6, mostNoise = 1.07, comesOff = 0.0005;
 constexpr int stifferTimes = 4, stifferSteps = 6;
 constexpr double strongNoise = 0.001;
@@ -87,7 +87,7 @@ bool Fitter::Run::MoreStay(const std::vector<Eigen::Vector3d> &before, double no
 /// Makes a fit that follows the target's noise stiffer. \return the stiffness of each node
 std::vector<double> Fitter::Run::Settle(const Progress &progress) {
     std::vector<double> end = AllOf(SoftEnd());
-    const double alike = report.converged && !isAlone ? matches->Alike() : 0;
+    const double alike = isAlone ? 0 : matches->Alike();
     if (!(alike < 0))
         return end;
     const FitReport before = report;
@@ -98,13 +98,15 @@ std::vector<double> Fitter::Run::Settle(const Progress &progress) {
     for (int k = 0; k < stifferTimes; ++k) {
         const GraphPose softer = graph;
         std::vector<double> stiffness;
+        double moved = 0;
         do {
             progress(0.9, "Fitting");
             stiffness = end;
             for (std::size_t j = 0; j < stiffness.size(); ++j)
                 stiffness[j] *= stays[j] ? 1 : stiffer;
-            for (int step = 0; step < stifferSteps && Step(1, stiffness) > rest / 3; ++step)
-                ;
+            moved = 1;
+            for (int step = 0; step < stifferSteps && moved > rest / 3; ++step)
+                moved = Step(1, stiffness);
         } while (noise < strongNoise && MoreStay(arrived, noise, stays)); // again, with these soft
         Find(1);
         fitter.Measure(*matches, report);
@@ -115,6 +117,7 @@ std::vector<double> Fitter::Run::Settle(const Progress &progress) {
             break;
         }
         end = stiffness;
+        report.converged = report.converged || moved <= rest;
     }
     return end;
 }
