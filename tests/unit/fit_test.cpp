@@ -1067,6 +1067,7 @@ TEST(Fit, BeginsTurnedOrScaledByItself) {
         EXPECT_NE(said.find("strains it far less"), std::string::npos);
         EXPECT_EQ(said.find("scaled by") != std::string::npos, times != 1);
         EXPECT_EQ(said.find("turned by") != std::string::npos, degrees > 0);
+        EXPECT_EQ(said.find("The scale is a guess"), std::string::npos) << "all of the surface tells it";
     }
 }
 
@@ -1114,6 +1115,7 @@ TEST(Fit, FindsTheScaleOfAPart) {
     const Fitted fitted = Fit(from, Moved(part, smaller), param);
     EXPECT_NEAR(fitted.report.scaledBy, times, 0.05 * times) << "and 1 where all of the surface tells it";
     EXPECT_LT(Rms(fitted, Moved(from, smaller)), 0.016);
+    EXPECT_NE(Joined(fitted.report.Remarks()).find("The scale is a guess: "), std::string::npos);
 }
 
 // The body tells, though the mean of all is turned and lies elsewhere.
