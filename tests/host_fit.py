@@ -317,10 +317,12 @@ def test_what_is_held_is_not_drawn_to_a_curve(capfd, tmp_path):
     assert on[0] > 70 and on[1] == pytest.approx(on[0] / 2, abs=1)
 
 
-@pytest.mark.parametrize("degrees, found", [(60.0, "led the fit at first"), (110.0, "also drew the nearest surface")])
-def test_a_tube_is_found_that_is_bent_far(capfd, degrees, found):
+@pytest.mark.parametrize("degrees, samples, found", [
+    (60.0, 6000, "led the fit at first"), (110.0, 6000, "also drew the nearest surface"),
+    (86.0, 1500, "also drew the nearest surface")])  # from where it came to rest; drawn from the start only, it is off by 1.3
+def test_a_tube_is_found_that_is_bent_far(capfd, degrees, samples, found):
     ms, truth = pair(degrees=degrees)
-    result, log = fit_logged(ms, capfd)
+    result, log = fit_logged(ms, capfd, samples=samples)
     assert found in log and result["both_ways"] == (degrees > 60)
     assert rms(ms.current_mesh().vertex_matrix(), truth) < 1, "one way, it is off by more than 2"
 

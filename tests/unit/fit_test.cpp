@@ -1118,6 +1118,21 @@ TEST(Fit, FindsTheScaleOfAPart) {
     EXPECT_NE(Joined(fitted.report.Remarks()).find("The scale is a guess: "), std::string::npos);
 }
 
+// Middle and axes of a part are not those of the whole: closest points tell how it is turned (FitTurns).
+TEST(Fit, FindsHowAPartIsTurned) {
+    if (sanitized)
+        return; // it needs many samples
+    FitParam param = Small();
+    param.samples = 800;
+    param.fitSteps = 30;
+    const Shape from = Lumpy(30), part = Above(Lumpy(37), 0.7, 1);
+    const double turned = 2.2;
+    const Eigen::Affine3d away(Eigen::AngleAxisd(turned, Vector3d(1, 2, -1).normalized()));
+    const Fitted fitted = Fit(from, Moved(part, away), param);
+    EXPECT_NEAR(fitted.report.turnedBy, turned, 0.1);
+    EXPECT_LT(Rms(fitted, Moved(from, away)), 0.016) << "and 0.43 by the axes alone";
+}
+
 // The body tells, though the mean of all is turned and lies elsewhere.
 TEST(Fit, AMotionOfMostIsThatOfTheBody) {
     const Shape body = Lumpy(20), limb = Ball(Vector3d(9, 0, 0), 1, 8);
