@@ -317,14 +317,14 @@ def test_what_is_held_is_not_drawn_to_a_curve(capfd, tmp_path):
     assert on[0] > 70 and on[1] == pytest.approx(on[0] / 2, abs=1)
 
 
-@pytest.mark.parametrize("degrees, samples, found", [
-    (60.0, 6000, "led the fit at first"), (110.0, 6000, "also drew the nearest surface"),
-    (86.0, 1500, "also drew the nearest surface")])  # from where it came to rest; drawn from the start only, it is off by 1.3
-def test_a_tube_is_found_that_is_bent_far(capfd, degrees, samples, found):
+@pytest.mark.parametrize("degrees, samples, most", [
+    (60.0, 6000, 0.6), (91.0, 6000, 0.8), (110.0, 6000, 1.0),
+    (86.0, 1500, 1.0)])  # from where it came to rest; drawn from the start only, it is off by 1.3
+def test_a_tube_is_found_that_is_bent_far(capfd, degrees, samples, most):
     ms, truth = pair(degrees=degrees)
     result, log = fit_logged(ms, capfd, samples=samples)
-    assert found in log and result["both_ways"] == (degrees > 60)
-    assert rms(ms.current_mesh().vertex_matrix(), truth) < 1, "one way, it is off by more than 2"
+    assert "also drew the nearest surface" in log and result["both_ways"]
+    assert rms(ms.current_mesh().vertex_matrix(), truth) < most, "one way, it is off by more than 2; led by ends, by 0.7 and 1.3"
 
 
 def test_parameters_names_order_and_defaults():

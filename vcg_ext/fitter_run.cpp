@@ -169,12 +169,13 @@ void Fitter::Run::Lay(const Progress &progress) {
     ends.clear();
     Draw(progress.Slice(0, 0.4));
     if (matches->Unreached() > mostUnreached) {
-        TryEnds(progress.Slice(0.4, 0.6));
-        if (!param.bothWays && matches->Unreached() > mostUnreached) {
-            TryBothWays(start, progress.Slice(0.6, 0.7));
+        if (!param.bothWays) {
+            TryBothWays(start, progress.Slice(0.4, 0.5));
             if (!report.bothWays && IsBentFar())
-                TryBothWays(graph, progress.Slice(0.7, 0.8));
+                TryBothWays(graph, progress.Slice(0.5, 0.6));
         }
+        if (matches->Unreached() > mostUnreached)
+            TryEnds(progress.Slice(0.6, 0.8));
     }
     FitAgain(progress.Slice(0.8, 0.9));
     StiffenGaps(Settle(progress), progress);

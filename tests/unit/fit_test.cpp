@@ -602,7 +602,7 @@ Shape Hand(int around, double apart) {
     return hand;
 }
 
-// Each finger except the middle one lies nearer to another one's old place: without ends, two fingers lie on one.
+// Each finger except the middle one lies nearer to another one's old place.
 TEST(Fit, FindsFingersThatClose) {
     if (sanitized)
         return; // fingers need many samples
