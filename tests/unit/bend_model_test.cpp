@@ -223,7 +223,9 @@ TEST(BendModel, ALimbBeginsWhereItGetsThicker) {
         EXPECT_LT(std::hypot((*joint)[1], (*joint)[2]), 0.25 * 0.16) << "a quarter of its thickness";
     }
     const std::size_t near = bent.nearest({0.2, 0, 0.08});
-    EXPECT_EQ(bent.reach.rootOfLimb(near, usual, 0.01), near) << "it begins there";
+    const auto nearRoot = bent.reach.rootOfLimb(near, usual, 0.01);
+    ASSERT_TRUE(nearRoot);
+    EXPECT_NEAR(bent.position[*nearRoot][0], 0.05 + 0.16, 0.1) << "it begins there";
     EXPECT_FALSE(bent.reach.rootOfLimb(bent.nearest({-0.5, 0, 0.24}), usual, 0.01)) << "the body is no limb";
     for (const double x : {0.9, 1.0}) { // near its end, with nothing beyond
         const auto root = bent.reach.rootOfLimb(bent.nearest({x, 0, 0.08}), usual, 0.01);
@@ -246,6 +248,40 @@ Shape TurnedBody(const Thick &thick) {
 }
 
 } // namespace
+
+TEST(BendModel, AllOfALimbTurnsAtOneJoint) {
+    // A tail that gets thinner, from x = 0.05 to the right, on a body.
+    const auto thick = [](double x) {
+        return x < 0      ? 0.24
+               : x < 0.05 ? 0.24 - 3.2 * x
+               : x < 0.97 ? 0.08 - 0.05 * (x - 0.05)
+                          : 0.034 * std::sqrt((1 - x) / 0.03);
+    };
+    Bent bent(TurnedBody([&](double x) { return std::max(thick(x), 1e-3); }));
+    const double usual = 0.3;
+    const auto jointFrom = [&](const Eigen::Vector3d &p, std::size_t nearer) {
+        const std::size_t slot = bent.nearest(p);
+        const auto root = bent.reach.rootOfLimb(slot, usual, 0.01, nearer);
+        EXPECT_TRUE(root) << p.transpose();
+        const auto extent = bent.reach.whole({root.value_or(0)}, bent.reach.radiusAt(root.value_or(0), usual), 0.01);
+        EXPECT_TRUE(extent->joint) << p.transpose();
+        EXPECT_GT(extent->shareOf(slot), 0.5f);
+        return extent->joint ? (*extent->joint)[0] : -1.;
+    };
+    std::vector<double> joints;
+    for (const double x : {0.3, 0.35, 0.45, 0.6, 0.75, 0.9, 0.96, 1.0})
+        for (const double turn : {0.0, 2.0, 4.0})
+            joints.push_back(jointFrom({x, thick(x) * std::cos(turn), thick(x) * std::sin(turn)}, 0));
+    const auto [least, most] = std::minmax_element(joints.begin(), joints.end());
+    EXPECT_LT(*most - *least, 0.2) << "a thickness and a bit, from any side; it was 0.4";
+    EXPECT_LT(*most, 0.25) << "where it begins";
+    std::vector<double> nearer;
+    for (const std::size_t steps : {0, 1, 2, 3})
+        nearer.push_back(jointFrom({0.8, 0, thick(0.8)}, steps));
+    EXPECT_TRUE(std::is_sorted(nearer.begin(), nearer.end()));
+    EXPECT_NEAR(nearer.back() - nearer.front(), 3 * 0.12, 0.12) << "by its thickness each";
+    EXPECT_LT(jointFrom({0.8, 0, thick(0.8)}, 50), 0.8) << "not beyond the mouse";
+}
 
 TEST(BendModel, AHeadAsThickAsItsNeckIsALimb) {
     // A body 0.9 thick, from x = 0.2 on a neck and head 0.4 thick, with a round end: nothing can lie beyond a handle.
@@ -684,6 +720,34 @@ TEST(BendModel, ANewHandleLeavesWhatOthersBend) {
             EXPECT_EQ((*bent.model.influence.tags)[i], before[i]) << bent.position[i].transpose();
     setRadiusOf(bent.model.state, 3, radius); // as by the user
     bent.update();
+    EXPECT_FALSE(isKeptApart(bent.model, 3));
+}
+
+TEST(BendModel, FingersBesideEachOtherBendTogether) {
+    // A palm with two fingers, of which the one was turned.
+    const auto isIn = [](const Eigen::Vector3d &p) {
+        const Eigen::Vector3d half(std::abs(p[0]), p[1], p[2]);
+        return isNear(half, {0.15, -0.5, 0}, {0.15, 0, 0}, 0.2) || isNear(half, {0.11, 0, 0}, {0.16, 0.8, 0}, 0.09);
+    };
+    Bent bent(BlocksOf(0.02, {Eigen::Vector3d(-0.5, -0.8, -0.3), Eigen::Vector3d(0.5, 1, 0.3)}, isIn));
+    const double reach = 0.36; // twice the thickness
+    for (const auto &[tag, x] : {std::pair{2, -0.13}, {3, 0.13}}) {
+        bent.model.state.rank[tag] = tag - 2;
+        bent.addPoint(tag, {x, 0.42, 0.09}, reach, true);
+        bent.model.state.motion[tag] = {MotionStep::Rotate({1, 0, 0}, 40)};
+    }
+    bent.update();
+    const BendTags &tags = *bent.model.influence.tags;
+    int fixed = 0, bends = 0;
+    for (const int tag : {2, 3}) {
+        const BendExtent &extent = *bent.model.influence.extents.at(tag);
+        for (const std::size_t i : extent.around) {
+            fixed += tags[i] == 0;
+            bends += tags[i] == 1;
+        }
+    }
+    EXPECT_EQ(fixed, 0) << "no gap cuts the strip that bends at a root";
+    EXPECT_GT(bends, 100);
     EXPECT_FALSE(isKeptApart(bent.model, 3));
 }
 

@@ -33,6 +33,7 @@ class Maker {
     struct Around {
         std::vector<std::size_t> vertices; ///< that a handle holds
         double radius;                     ///< within which it bends the surface
+        bool isGrip;
     };
     void findExtents(const BendTags &made);
     void bendAround(BendTags &made);
@@ -57,9 +58,9 @@ void Maker::bendAround(BendTags &made) {
         if (made[i] >= 2)
             ofRim[{made[i], rimAt(now, i, ground.diagonal)}].push_back(i);
     for (auto &[own, vertices] : ofRim)
-        around[rankOf(now, own.first)].push_back({std::move(vertices), own.second});
+        around[rankOf(now, own.first)].push_back({std::move(vertices), own.second, false});
     for (const auto &[tag, point] : now.points)
-        around[rankOf(now, tag)].push_back({{point.slot}, point.radius});
+        around[rankOf(now, tag)].push_back({{point.slot}, point.radius, point.isGrip});
     std::vector<char> isNear(made.size(), 0);
     for (const auto &[rank, handles] : around)
         if (bendAround(handles, rank, isNear))
@@ -106,8 +107,8 @@ void Maker::findExtents(const BendTags &made) {
 }
 
 /// Adds the surface that handles of one rank bend. A fixed gap keeps it apart from the surface that lower ranks bend.
-/// If a handle is at the edge of the latter, there is no gap: all bend together. \return whether they bend less because
-/// of the gap
+/// If a handle is at the edge of the latter, or turns a limb, there is no gap: all bend together. (A gap would cut the
+/// strip at the root of a finger, beside its neighbour's.) \return whether they bend less because of the gap
 bool Maker::bendAround(const std::vector<Around> &handles, int rank, std::vector<char> &isNear) {
     const double gap = usual();
     const auto isLower = [&](std::size_t i) { return isNear[i] != 0; };
@@ -116,7 +117,8 @@ bool Maker::bendAround(const std::vector<Around> &handles, int rank, std::vector
         middle.insert(middle.end(), each.vertices.begin(), each.vertices.end());
     const std::vector<std::size_t> &beside = reachOfRest.of(middle, gap);
     const auto inside = std::size_t(std::count_if(beside.begin(), beside.end(), isLower));
-    const bool isApart = rank > 0 && (inside == 0 || inside == beside.size());
+    const bool isAnyGrip = std::any_of(handles.begin(), handles.end(), [](const Around &each) { return each.isGrip; });
+    const bool isApart = rank > 0 && !isAnyGrip && (inside == 0 || inside == beside.size());
     const std::vector<std::size_t> lower = chosenOf(isNear);
     std::vector<char> own = isApart ? std::vector<char>(isNear.size(), 0) : isNear;
     const auto add = [&](const std::vector<std::size_t> &vertices) {

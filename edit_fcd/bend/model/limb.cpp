@@ -8,8 +8,8 @@
 
 // Where a limb begins, and where it bends along a stroke.
 
-// At the root of a limb, the cross-section has this many times its area at the pulled vertex. From one joint to the
-// next, a limb gets less thick than that. Where it meets the body, the section grows at once.
+// At the root of a limb, the cross-section has this many times its mean area from there to the end. A limb gets less
+// thick than that. Where it meets the body, the section grows at once. It is the same for all vertices of the limb.
 const float thicker = 1.75;
 
 // Largest area of a limb, over that of all: as for tips, which are at most half as large as the rest.
@@ -27,6 +27,10 @@ const double quickPart = 6, leastFlat = 0.8;
 // much thinner has no vertex beyond.
 const double farOfCut = 0.75;
 
+// The largest radius for one limb, over that at another place: a hand is wider than its wrist, but hardly twice as
+// wide.
+const double widest = 2;
+
 const float leastShare = 0.5; // of a vertex that turns with its limb, and does not rather stay
 
 // Between the powers of the distance with which an area grows: 1 along a limb, 2 on a plane.
@@ -35,6 +39,8 @@ const double betweenLineAndPlane = 1.5;
 const double ringsOfRadius = 4; // that growth is measured over one of them, the outermost
 
 const int binsOfThickness = 2; // cross-sections for each thickness of a limb
+
+const std::size_t leastSections = 2 * binsOfThickness; // of a limb: its end is round, so that the first ones are small
 
 // A vertex is pointed if the area within the usual radius is less than this share of a flat disc's. The corner of a
 // cube has 0.75 of it, the tip of a cone with an angle of 80 degrees 0.64.
@@ -46,7 +52,7 @@ const double leastInside = 0.125;
 
 const double nearestEnd = 4; // an end is farther from the center than all within that fraction of the usual radius
 
-std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual, double hair) {
+std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual, double hair, std::size_t nearer) {
     wait();
     if (surface->nodeOf[slot] < 0)
         return {};
@@ -57,7 +63,7 @@ std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual,
     const auto isNearer = [&](vcg::fcd::Index u, vcg::fcd::Index v) {
         return (placeOf(u) - placeOf(ball.back())).squaredNorm() < (placeOf(v) - placeOf(ball.back())).squaredNorm();
     };
-    const Pointed pointed{slot, usual, hair};
+    const Pointed pointed{slot, usual, hair, nearer};
     const auto rootBeyond = [&](std::size_t before, double radius) {
         const bool isBeyond = whole({before}, radius, hair)->shareOf(slot) == 1;
         return isBeyond ? rootBefore(before, radius, pointed) : std::nullopt;
@@ -173,6 +179,14 @@ bool BendReach::turnsOneLimb(std::size_t root, const Pointed &at) {
     return turned->joint && turned->isOneLimb && turned->shareOf(at.slot) > leastShare;
 }
 
+/// The means of three values each: a section of a coarse surface may have a third less than the next.
+static std::vector<float> smoothed(const std::vector<float> &area) {
+    std::vector<float> mean = area;
+    for (std::size_t k = 1; k + 1 < area.size(); ++k)
+        mean[k] = (area[k - 1] + area[k] + area[k + 1]) / 3;
+    return mean;
+}
+
 /// The same for a vertex of the limb, if something of it lies beyond. \param pointed the vertex that is to turn
 std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double radius, const Pointed &pointed) {
     const vcg::fcd::Index own = surface->nodeOf[slot];
@@ -210,21 +224,20 @@ std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double radius
     for (std::size_t k = 0; k <= start; ++k)
         before += area[k];
     std::size_t root = start;
-    while (root + 1 < area.size() && area[root + 1] <= thicker * area[start] &&
-           before + area[root + 1] <= largestLimb * total)
+    const std::vector<float> smooth = smoothed(area);
+    const auto isThick = [&](std::size_t k) { return k > leastSections && smooth[k] * float(k) > thicker * before; };
+    while (root + 1 < area.size() && !isThick(root + 1) && before + area[root + 1] <= largestLimb * total)
         before += area[++root];
-    // The joint of a handle is about the limb's thickness away from it.
-    std::size_t at = root > start + binsOfThickness ? root - binsOfThickness : start;
-    while (at > start) {
-        const auto there = std::find_if(fromHere.begin(), fromHere.end(),
+    // The joint of a handle is about the limb's thickness away from it. If that turns more than the limb, such as a
+    // leg with the tail, another one is tried, towards the end.
+    std::size_t at = root - std::min<std::size_t>(root, binsOfThickness * (1 + pointed.nearer));
+    const std::size_t last = std::min(start, at);
+    for (bool isMore = true; isMore; isMore = at-- > last) {
+        const auto there = std::find_if(fromTip.begin(), fromTip.end(), // the same from all vertices of the limb
                                         [&](vcg::fcd::Index u) { return section[std::size_t(u)] == at; });
-        if (there == fromHere.end()) { // faces are longer than a section
-            --at;
-            continue;
-        }
-        if (turnsOneLimb(slotOf(*there), pointed))
+        if (there != fromTip.end() && // faces may be longer than a section
+            radiusAt(slotOf(*there), pointed.usual) <= widest * radius && turnsOneLimb(slotOf(*there), pointed))
             return slotOf(*there);
-        at = (start + at) / 2; // for a leg, before the tail
     }
     return turnsOneLimb(slot, pointed) ? std::optional(slot) : std::nullopt;
 }
@@ -233,9 +246,8 @@ std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double radius
 // limb, the other side is nearer; rounds correct that.
 const double toJoint = 0.75;
 
-// Factor from one radius to the next, if one does not reach around the limb beyond the joint, and the largest in all: a
-// hand is wider than its wrist, but hardly twice as wide.
-const double wider = 1.2, widest = 2;
+// Factor from one radius to the next, if one does not reach around the limb beyond the joint.
+const double wider = 1.2;
 
 const int roundsToJoint = 3; // then the joint is off by a tenth of the thickness
 

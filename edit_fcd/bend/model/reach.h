@@ -118,10 +118,11 @@ class BendReach {
     /// cuts off a tip, or reaches around the end of a limb; else \p usual.
     double radiusAt(std::size_t slot, double usual);
 
-    /// The vertex whose handle turns the whole limb of another vertex: near the limb's root, where it becomes clearly
-    /// thicker. If the root is near, it is the vertex itself; none on no limb. \param usual as in radiusAt()
-    /// \param hair as in looseAmong()
-    std::optional<std::size_t> rootOfLimb(std::size_t slot, double usual, double hair);
+    /// The vertex whose handle turns the limb of another vertex: near the limb's root, where it becomes clearly
+    /// thicker, and the same for all vertices from there to the end. Where a vertex would hardly turn with it, it is
+    /// the vertex itself; none on no limb. \param usual as in radiusAt() \param hair as in looseAmong() \param nearer
+    /// how many thicknesses of the limb nearer to its end, at most to the vertex
+    std::optional<std::size_t> rootOfLimb(std::size_t slot, double usual, double hair, std::size_t nearer = 0);
 
     /// The extent of a handle that turns the limb beyond the vertex \p from, towards \p to: it bends at \p from, in a
     /// strip as wide as the limb is thick there. On no limb, it is an extent around \p to, and the middle of its strip
@@ -159,7 +160,8 @@ class BendReach {
     static constexpr double radiusOfClosing = 4 / EIGEN_PI;
     struct Pointed {
         std::size_t slot;
-        double usual, hair; ///< as in rootOfLimb()
+        double usual, hair; ///< as in rootOfLimb(), as is nearer
+        std::size_t nearer;
     };
     bool turnsOneLimb(std::size_t root, const Pointed &at);
     double radiusAtEnd(std::size_t slot, double usual) const;

@@ -101,22 +101,27 @@ int BendSession::turnedLimb(std::size_t slot) const {
 }
 
 /// The vertex for a new handle of a vertex's limb; none if it is on no limb.
-std::optional<std::size_t> BendSession::newLimb(std::size_t slot, double usual) {
+std::optional<std::size_t> BendSession::newLimb(std::size_t slot, double usual, std::size_t nearer) {
     BendReach &glance = reach.glance();
     const double hair = usualGap(rest.diagonal());
     const std::size_t carrier = glance.carrierOf(slot, hair);
-    const std::optional<std::size_t> root = glance.rootOfLimb(carrier, usual, hair);
+    const std::optional<std::size_t> root = glance.rootOfLimb(carrier, usual, hair, nearer);
     if (root && !canBecomePoint(data, *root))
         return canBecomePoint(data, carrier) ? std::optional(carrier) : std::nullopt;
     return root;
 }
 
 /// A vertex is on a limb: the limb's handle, or else the place of a new one. Neither if it is on no limb.
-std::pair<int, std::optional<std::size_t>> BendSession::limbOf(std::size_t slot, double usual) {
+/// \param nearer as in limbAt()
+std::pair<int, std::optional<std::size_t>> BendSession::limbOf(std::size_t slot, double usual, std::size_t nearer) {
     reach.lookAt(slot);
     const int found = turnedLimb(slot);
-    const std::optional<std::size_t> root = newLimb(slot, usual);
-    if (found && !(root && reach.glance().radiusAt(*root, usual) < thinLimb * radiusOf(data, found)))
+    const std::optional<std::size_t> root = newLimb(slot, usual, nearer);
+    const auto isOther = [&] { // a limb of its own, or a joint beyond
+        return nearer > 0 ? data.influence.extents.at(found)->shareOf(*root) == 1
+                          : reach.glance().radiusAt(*root, usual) < thinLimb * radiusOf(data, found);
+    };
+    if (found && !(root && isOther()))
         return {found, {}};
     return {0, root};
 }
@@ -128,15 +133,15 @@ std::pair<int, std::shared_ptr<const BendExtent>> BendSession::glimpseLimb(int t
     reach.begin();
     if (!slot || !reach.isRead())
         return {0, nullptr};
-    const auto [found, root] = limbOf(*slot, usual);
+    const auto [found, root] = limbOf(*slot, usual, 0);
     return {found, found ? glimpseOf(found) : root ? glimpseAt(*root, usual) : nullptr};
 }
 
-int BendSession::limbAt(std::size_t slot, double usual) {
-    const auto [found, root] = limbOf(slot, usual);
+int BendSession::limbAt(std::size_t slot, double usual, std::size_t nearer) {
+    const auto [found, root] = limbOf(slot, usual, nearer);
     if (found || !root)
         return found;
-    const int tag = addPoint(*root, usual);
+    const int tag = addAt(*root, reach.glance().radiusAt(*root, usual)); // as it was seen before
     makeGrip(tag);
     return tag;
 }

@@ -179,7 +179,8 @@ std::string BendDrag::text(const Camera &view) const {
                (what == Move    ? "a length"
                 : what == Scale ? "a factor"
                                 : "degrees") +
-               "; wheel: how far; Enter, Esc" + (what == Turn ? "; or drag along a limb" : "");
+               (what == Limb ? "; wheel: another joint" : "; wheel: how far") + "; Enter, Esc" +
+               (what == Turn ? "; or drag along a limb" : "");
     const auto added = step(view);
     const auto digits = [](double x) { return inDigits(x, 4); };
     if (what == Move)
@@ -188,6 +189,8 @@ std::string BendDrag::text(const Camera &view) const {
         text += " by " + digits(added ? added->degrees : 0) + " degrees";
     if (what == Limb && before && limb)
         text += ", its middle joint by " + digits(limb->bend().angle() / oneDegree);
+    if (what == Limb)
+        text += "; wheel: another joint";
     return text;
 }
 

@@ -26,7 +26,7 @@ void DragInteraction::begin(const Grip &what) {
         throw vcg::fcd::Error("A marked handle is no point of a limb: R turns it.");
     }
     held = session.positionOf(grip.slot);
-    gripped = stage.mouseInWindow();
+    gripped = grip.from.value_or(stage.mouseInWindow());
     isReleased = false;
     const double radius = stage.panel->radius() * session.diagonal();
     stage.beside(
@@ -34,8 +34,8 @@ void DragInteraction::begin(const Grip &what) {
         [this, radius, isLimb](const vcg::fcd::Progress &progress) {
             if (isLimb || grip.stroke) {
                 const BendInfluence before = stage.session->model().influence;
-                grip.tag =
-                    isLimb ? stage.session->limbAt(grip.slot, radius) : stage.session->strokeAt(*grip.stroke, radius);
+                grip.tag = isLimb ? stage.session->limbAt(grip.slot, radius, grip.nearer)
+                                  : stage.session->strokeAt(*grip.stroke, radius);
                 grip.isNew = !before.isHandle(grip.tag);
             }
             if (isLimb && !grip.tag) {
@@ -77,7 +77,7 @@ void DragInteraction::beginPrepared() {
     begun.begin = motionOf(model.state, tag);
     for (const int other : carriedBy(model, tag))
         begun.carried[other] = motionOf(model.state, other);
-    first = begun.kind == BendDrag::Limb ? jointBefore(model, tag, held) : 0;
+    first = begun.kind == BendDrag::Limb && grip.nearer == 0 ? jointBefore(model, tag, held) : 0;
     if (first) {
         begun.before.emplace();
         begun.before->carried[first] = motionOf(model.state, first);
@@ -146,11 +146,30 @@ void DragInteraction::changeKind(BendDrag::Kind kind) {
         return;
     }
     Grip again = grip;
-    again.tag = asked;
     again.part = {kind, now->axis};
+    restart(again);
+}
+
+/// Takes the drag back, and begins another one.
+void DragInteraction::restart(Grip again) {
+    again.tag = asked;
     stop(false);
     stage.comeToRest();
     begin(again);
+}
+
+/// The limb turns at a joint that is nearer to the mouse, by steps down, or farther from it. What was dragged follows.
+void DragInteraction::changeJoint(double steps) {
+    const std::size_t before = grip.nearer;
+    if (steps > 0 && before == 0)
+        return;
+    const Eigen::Vector3d place = now->pivot;
+    Grip again = grip;
+    again.nearer = steps > 0 ? before - 1 : before + 1;
+    again.from = gripped;
+    restart(again);
+    if (now && steps < 0 && now->pivot == place)
+        grip.nearer = before; // there is none
 }
 
 void DragInteraction::stop(bool keep) {
@@ -268,6 +287,10 @@ bool DragInteraction::pressKey(QKeyEvent &event) {
 bool DragInteraction::turnWheel(double steps) {
     if (!now)
         return stroke.has_value();
+    if (now->kind == BendDrag::Limb) {
+        changeJoint(steps);
+        return true;
+    }
     BendSession &session = *stage.session;
     session.setRadius(now->tag, radiusOf(session.model(), now->tag) * std::pow(1.1, steps));
     isRadiusShown = true;

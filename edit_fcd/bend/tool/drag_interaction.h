@@ -16,6 +16,8 @@ class DragInteraction : public BendInteraction {
         bool isNew = false;                              ///< the handle \p tag was made of \p slot
         bool isHeld = false;                             ///< of a limb: \p slot follows the mouse, which \p tag holds
         std::optional<BendStroke> stroke = std::nullopt; ///< tells what turns and where, instead of \p tag
+        std::size_t nearer = 0;                          ///< of a limb, as in BendSession::limbAt()
+        std::optional<Eigen::Vector3d> from = std::nullopt; ///< the mouse at the begin, window; none: where it is now
     };
     using BendInteraction::BendInteraction;
 
@@ -44,6 +46,8 @@ class DragInteraction : public BendInteraction {
     void showInfluence();
     void placePivot();
     void changeKind(BendDrag::Kind kind);
+    void changeJoint(double steps);
+    void restart(Grip again);
     void stop(bool keep);
     void end(bool keep);
 
