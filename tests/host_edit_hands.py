@@ -1245,6 +1245,29 @@ def test_a_limb_is_turned_by_a_drag(window, tmp_path):
     assert np.abs((load(w.save("back.ply"))[0] - points)[hand].mean(0)[:2]).max() < 0.05
 
 
+def test_the_wheel_takes_a_joint_nearer_to_the_mouse(window, tmp_path):
+    """During the drag of a limb: what is before that joint stays, and what was dragged follows the mouse; up, it is as it was."""
+    w, points, faces, body = open_figure(window, tmp_path, mode=None)
+    upper, hand = np.abs(points[:, 0] - 0.25) < 0.03, points[:, 0] > 0.8
+    place = X + 200, Y - 80
+    shapes = []
+    for name, turns in (("root", ()), ("nearer", (5, 5)), ("back", (5, 5, 4, 4))):
+        w.press_and_move((X + 230, Y), place)
+        assert w.said().startswith("Handle 2: turn the limb by") and "; wheel: another joint" in w.said()
+        for button in turns:
+            w.do("click", button)
+        w.shot(name)
+        w.do("mouseup", 1)
+        shapes.append(load(w.save(name + ".ply"))[0])
+        w.key("ctrl+z")
+        assert np.array_equal(load(w.save(name + "_undone.ply"))[0], np.float32(points)) # in one step
+    root, nearer, back = shapes
+    assert np.linalg.norm((root - points)[upper], axis=1).mean() > 0.03
+    assert np.linalg.norm((nearer - points)[upper], axis=1).mean() < 0.01
+    assert turned_by(points[hand], nearer[hand]) > turned_by(points[hand], root[hand]) + 5 # it is shorter
+    assert np.abs(back - root).max() < 1e-4
+
+
 def test_a_far_drag_of_a_limb_folds_nothing(window, tmp_path):
     """Sideways by more than it is long, to its joint, where it turns to the eye, and away from it: by a press and a drag, without a key."""
     w, points, faces, body = open_figure(window, tmp_path, mode=None)

@@ -233,9 +233,9 @@ std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double radius
     std::size_t at = root - std::min<std::size_t>(root, binsOfThickness * (1 + pointed.nearer));
     const std::size_t last = std::min(start, at);
     for (bool isMore = true; isMore; isMore = at-- > last) {
-        const auto there = std::find_if(fromTip.begin(), fromTip.end(), // the same from all vertices of the limb
+        const auto there = std::find_if(fromHere.begin(), fromHere.end(),
                                         [&](vcg::fcd::Index u) { return section[std::size_t(u)] == at; });
-        if (there != fromTip.end() && // faces may be longer than a section
+        if (there != fromHere.end() && // faces may be longer than a section
             radiusAt(slotOf(*there), pointed.usual) <= widest * radius && turnsOneLimb(slotOf(*there), pointed))
             return slotOf(*there);
     }

@@ -204,7 +204,7 @@ QString bendKeyPage() {
     return bendActions().page(
         {{"while moving",
           "X, Y, Z: along or about an axis; a number; G, R, S; Ctrl: in steps; Shift: onto another layer under the "
-          "mouse; wheel: how far the bend reaches; click or Enter keeps, right click or Esc cancels"},
+          "mouse; wheel: how far it bends, or which joint turns; click or Enter keeps, right click or Esc cancels"},
          {"Ctrl, wheel", "width of the free rim around the mark under the mouse"},
          {"camera",
           "drag beside the mesh, or with the right or middle button; wheel; a double click centers a place"}});
