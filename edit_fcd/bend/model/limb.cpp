@@ -8,8 +8,8 @@
 
 // Where a limb begins, and where it bends along a stroke.
 
-// At the root of a limb, the cross-section has this many times its mean area from there to the end. A limb gets less
-// thick than that. Where it meets the body, the section grows at once. It is the same for all vertices of the limb.
+// At the root of a limb, where it meets the body, the cross-section grows by this factor within the limb's thickness. A
+// thigh or a tail, which widens all along, grows less in that: a cone of up to 18 degrees.
 const float thicker = 1.75;
 
 // Largest area of a limb, over that of all: as for tips, which are at most half as large as the rest.
@@ -225,7 +225,9 @@ std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double radius
         before += area[k];
     std::size_t root = start;
     const std::vector<float> smooth = smoothed(area);
-    const auto isThick = [&](std::size_t k) { return k > leastSections && smooth[k] * float(k) > thicker * before; };
+    const auto isThick = [&](std::size_t k) {
+        return k > leastSections && smooth[k] > thicker * smooth[k - binsOfThickness];
+    };
     while (root + 1 < area.size() && !isThick(root + 1) && before + area[root + 1] <= largestLimb * total)
         before += area[++root];
     // The joint of a handle is about the limb's thickness away from it. If that turns more than the limb, such as a
