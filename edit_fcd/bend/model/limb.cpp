@@ -40,7 +40,8 @@ const double ringsOfRadius = 4; // that growth is measured over one of them, the
 
 const int binsOfThickness = 2; // cross-sections for each thickness of a limb
 
-const std::size_t leastSections = 2 * binsOfThickness; // of a limb: its end is round, so that the first ones are small
+// Of a limb, at least: its end is round, so that the first ones are small.
+const std::size_t leastSections = 2 * std::size_t(binsOfThickness);
 
 // A vertex is pointed if the area within the usual radius is less than this share of a flat disc's. The corner of a
 // cube has 0.75 of it, the tip of a cone with an angle of 80 degrees 0.64.
