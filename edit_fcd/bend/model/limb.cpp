@@ -8,8 +8,8 @@
 
 // Where a limb begins, and where it bends along a stroke.
 
-// At the root of a limb, where it meets the body, the cross-section grows by this factor within the limb's thickness. A
-// thigh or a tail, which widens all along, grows less in that: a cone of up to 18 degrees.
+// At the root of a limb, where it meets the body, the surface around a cross-section grows by this factor within the
+// limb's thickness. A thigh or a tail, which widens all along, grows less in that: a cone of up to 40 degrees.
 const float thicker = 1.75;
 
 // Largest area of a limb, over that of all: as for tips, which are at most half as large as the rest.
