@@ -87,7 +87,9 @@ bool Fitter::Run::MoreStay(const std::vector<Eigen::Vector3d> &before, double no
 /// Makes a fit that follows the target's noise stiffer. \return the stiffness of each node
 std::vector<double> Fitter::Run::Settle(const Progress &progress) {
     std::vector<double> end = AllOf(SoftEnd());
-    const double alike = isAlone ? 0 : matches->Alike();
+    // As onto its mirror image: it is not noise that keeps it from rest.
+    const bool isLost = !report.converged && matches->IsInsideOut();
+    const double alike = isAlone || isLost ? 0 : matches->Alike();
     if (!(alike < 0))
         return end;
     const FitReport before = report;

@@ -228,6 +228,18 @@ def test_a_target_that_lies_elsewhere_or_is_another():
         fit(VERTICES, FACES, TARGET * [1, 1, 0] + [0, 0, 2], **{**QUICK, "steps": 5})
 
 
+def test_a_target_that_is_mirrored_by_negating_a_coordinate_is_told():
+    """Its faces look inwards, and it is as smooth as the surface: a fit does not come to rest, but not since there is noise."""
+    n, k = 90, 45
+    a, w = (grid.ravel() for grid in np.meshgrid(2 * np.pi * np.arange(n) / n, np.linspace(0.02, np.pi - 0.02, k), indexing="ij"))
+    vertices = np.stack([2 * np.sin(w) * np.cos(a), np.sin(w) * np.sin(a), 0.7 * np.cos(w) + 0.1 * np.sin(3 * a) * np.sin(w)], 1)
+    i, j = ((column[:, None] * k + np.arange(k - 1)).ravel() for column in (np.arange(n), (np.arange(n) + 1) % n))
+    faces = np.concatenate([np.stack([i, i + 1, j], 1), np.stack([j, i + 1, j + 1], 1)])
+    target = vertices + np.stack([0 * a, 0.025 * vertices[:, 0] ** 2, 0.15 * np.sin(1.5 * vertices[:, 0])], 1)
+    with pytest.warns(DeformationWarning, match="looks like the mirror image"):
+        fit(vertices, faces, target * [1, -1, 1], faces)
+
+
 def test_what_has_no_counterpart_is_told_why():
     with pytest.raises(ValueError, match="nothing of the surface has a counterpart .* as start= does .* times smaller than the surface"):
         fit(VERTICES, FACES, TARGET / 1000, TARGET_FACES, **QUICK)
