@@ -2,7 +2,6 @@
 #include <vcg_ext/fit.h>
 
 #include <algorithm>
-#include <numeric>
 
 namespace vcg::fcd {
 
@@ -43,8 +42,8 @@ bool IsInParts(const SurfaceView &source, const Deformer &deformer, const Progre
 // as wide, are crumbs: their places tell nothing of how the others bend.
 constexpr double crumbShare = 0.05;
 
-/// Which vertex slots of a surface in parts are crumbs', or of no face. None where these have a twentieth of the area,
-/// or half of the places: then they are the surface.
+/// Which vertex slots of a surface in parts are crumbs', or of no face; empty: none. None where these have a twentieth
+/// of the area, or half of the places: then they are the surface.
 std::vector<char> CrumbsOf(const SurfaceView &source, const Progress &progress) {
     const SurfaceGraph surface = BuildSurfaceGraph(source, progress.Slice(0, 0.8));
     std::vector<Index> componentOf;
@@ -54,10 +53,9 @@ std::vector<char> CrumbsOf(const SurfaceView &source, const Progress &progress) 
         area[std::size_t(componentOf[u])] += double(surface.nodeArea[u]);
     std::vector<double> sorted = area;
     std::sort(sorted.begin(), sorted.end());
-    const double all = std::accumulate(sorted.begin(), sorted.end(), 0.);
     double below = 0; // area of the parts that are smaller than the median one
     auto median = sorted.begin();
-    for (; median != sorted.end() - 1 && 2 * (below + *median) < all; ++median)
+    for (; median != sorted.end() - 1 && 2 * (below + *median) < surface.area; ++median)
         below += *median;
     const double least = crumbShare * *median;
     const auto isCrumb = [&](Index u) { return area[std::size_t(componentOf[u])] < least; };
@@ -68,9 +66,10 @@ std::vector<char> CrumbsOf(const SurfaceView &source, const Progress &progress) 
             crumbs += double(surface.nodeArea[u]);
             ++places;
         }
-    const bool isDirt = crumbs < crumbShare * all && 2 * places < surface.graph.Size();
+    if (places == 0 || crumbs >= crumbShare * surface.area || 2 * places >= surface.graph.Size())
+        return {};
     std::vector<char> found(source.vertexSlots, 0);
-    for (std::size_t i = 0; isDirt && i < found.size(); ++i)
+    for (std::size_t i = 0; i < found.size(); ++i)
         found[i] = surface.nodeOf[i] >= 0 && isCrumb(surface.nodeOf[i]);
     return found;
 }
@@ -100,10 +99,13 @@ Fitter::Fitter(const SurfaceView &source, const NormalOf &normal, const Handles 
         crumb = CrumbsOf(source, progress.Slice(0.7, 0.75));
         deformer = PrepareDeformer(points, handles, param, progress.Slice(0.75, 0.9));
     }
-    if ((weight || !crumb.empty()) && !FollowsAlone()) {
-        const auto own = [&](std::size_t i) { return weight ? weight(i) : 1; };
-        nodeWeight = WeightsAtNodes(
-            source, [&](std::size_t i) { return !crumb.empty() && crumb[i] ? 0 : own(i); }, *deformer);
+    if (weight && !FollowsAlone())
+        nodeWeight = WeightsAtNodes(source, weight, *deformer);
+    if (!crumb.empty() && !FollowsAlone()) {
+        nodeWeight.resize(std::size_t(deformer->Whole().surface.graph.Size()), 1);
+        for (std::size_t i = 0; i < crumb.size(); ++i)
+            if (crumb[i] && deformer->nodeOf[i] >= 0)
+                nodeWeight[std::size_t(deformer->nodeOf[i])] = 0;
     }
     sample = EvenSample(deformer->Whole(), std::size_t(param.samples), nodeWeight);
     if (sample.empty() && !nodeWeight.empty())
