@@ -233,9 +233,8 @@ std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double radius
         before += area[++root];
     // The joint of a handle is about the limb's thickness away from it. If that turns more than the limb, such as a
     // leg with the tail, another one is tried, towards the end.
-    std::size_t at = root - std::min<std::size_t>(root, binsOfThickness * (1 + pointed.nearer));
-    const std::size_t last = std::min(start, at);
-    for (bool isMore = true; isMore; isMore = at-- > last) {
+    const std::size_t first = root - std::min<std::size_t>(root, binsOfThickness * (1 + pointed.nearer));
+    for (std::size_t at = first + 1; at-- > std::min(start, first);) {
         const auto there = std::find_if(fromHere.begin(), fromHere.end(),
                                         [&](vcg::fcd::Index u) { return section[std::size_t(u)] == at; });
         if (there != fromHere.end() && // faces may be longer than a section

@@ -174,13 +174,13 @@ std::string BendDrag::text(const Camera &view) const {
     if (!typed.empty())
         return text + " " + typed + "_" +
                (isRefused() ? ", which is no number: Backspace takes back what was typed" : "");
+    const std::string wheel = std::string("; wheel: ") + (what == Limb ? "another joint" : "how far");
     if (isBeginning(view))
         return text + ": move the mouse, X Y Z, " +
                (what == Move    ? "a length"
                 : what == Scale ? "a factor"
                                 : "degrees") +
-               (what == Limb ? "; wheel: another joint" : "; wheel: how far") + "; Enter, Esc" +
-               (what == Turn ? "; or drag along a limb" : "");
+               wheel + "; Enter, Esc" + (what == Turn ? "; or drag along a limb" : "");
     const auto added = step(view);
     const auto digits = [](double x) { return inDigits(x, 4); };
     if (what == Move)
@@ -190,7 +190,7 @@ std::string BendDrag::text(const Camera &view) const {
     if (what == Limb && before && limb)
         text += ", its middle joint by " + digits(limb->bend().angle() / oneDegree);
     if (what == Limb)
-        text += "; wheel: another joint";
+        text += wheel;
     return text;
 }
 
