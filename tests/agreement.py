@@ -7,9 +7,15 @@
 Distances are percent of the diagonal. No constant was chosen on these cases. What is absent (the scans in ../shared) is left out, and named."""
 import sys
 import warnings
+from pathlib import Path
 
 import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT / "tests/python"), str(ROOT / "examples")]
 from fit_shapes import Absent, diagonal, loaded, meshlab
+from test_compensate import placed
+
 from pymeshlab_fcd import Deformer, Motion, fit, straighten
 
 
@@ -44,9 +50,9 @@ def seeds():
         cells = []
         for patches in (300, 0):
             poses = [turned(points, faces, patches=patches, seed=seed) for seed in range(1, 6)]
-            apart = [(poses[i].vertices - poses[k].vertices, i, k) for i in range(5) for k in range(i)]
-            most = max(np.linalg.norm(d, axis=1).max() for d, _, _ in apart) / diagonal(points) * 100
-            rms = max(off(d, 0, points) for d, _, _ in apart)
+            apart = [poses[i].vertices - poses[k].vertices for i in range(5) for k in range(i)]
+            most = 100 * max(np.linalg.norm(each, axis=1).max() for each in apart) / diagonal(points)
+            rms = max(off(each, 0, points) for each in apart)
             cells += [f"{np.median([pose.info.nodes for pose in poses]):.0f}", f"{most:.2f} / {rms:.2f}"]
         print(f"| {path.split('/')[1].split('.')[0]}, {len(points)} |", " | ".join(cells), "|", flush=True)
 
@@ -142,13 +148,6 @@ def along(axis, points):
     up = np.cross(ahead, left)
     pick = np.clip(np.searchsorted(fine, points[:, 0]), 0, len(fine) - 1)
     return at[pick] + points[:, 1:2] * left[pick] + points[:, 2:3] * up[pick]
-
-
-def placed(one, other):
-    """One, moved rigidly onto other."""
-    a, b = one - one.mean(0), other - other.mean(0)
-    u, _, v = np.linalg.svd(a.T @ b)
-    return a @ (u @ np.diag([1, 1, np.sign(np.linalg.det(u @ v))]) @ v) + other.mean(0)
 
 
 def spiral(x):

@@ -8,7 +8,7 @@ triangles without are stretched by 0.8 to 1.25 at most.
     build/venv/bin/python tests/fit_pairs.py [--half training] [--seeds 5] [--dirty] [--save FOLDER] [NAME=VALUE...] [PAIR...]
 
 NAME=VALUE are parameters of the filter. --seeds: the median and worst rms over so many random seeds. --dirty: how far the fits of eight
-dirty versions of each pair (tests/fit_dirt.py) are from that of the clean one. --save: the surfaces of each pair and of the fit, to look
+dirty versions of each pair (tests/fit_dirt.py) are at most from that of the clean one. --save: the surfaces of each pair and of the fit, to look
 at. What is absent (the scans in ../shared, CGAL, see tests/peers.sh) is left out, and named."""
 import argparse
 import ast

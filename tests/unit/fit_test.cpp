@@ -1106,19 +1106,29 @@ TEST(Fit, FindsTheScaleOfWhatIsBent) {
     EXPECT_EQ(said.find("turned by"), std::string::npos);
 }
 
+namespace {
+
+const Shape partly = Lumpy(30);
+
+/// Fits it to a part of itself that is moved, by few samples.
+Fitted FitToPart(const Eigen::Affine3d &move) {
+    FitParam param = Small();
+    param.samples = 800;
+    param.fitSteps = 30;
+    return Fit(partly, Moved(Above(Lumpy(37), 0.7, 1), move), param);
+}
+
+} // namespace
+
 // Most of the surface has no counterpart, and keeps its size in the first fit. The rest tells the scale, step by step.
 TEST(Fit, FindsTheScaleOfAPart) {
     if (sanitized)
         return; // it needs many samples
-    FitParam param = Small();
-    param.samples = 800;
-    param.fitSteps = 30;
-    const Shape from = Lumpy(30), part = Above(Lumpy(37), 0.7, 1);
     const double times = 0.7;
     const Eigen::Affine3d smaller(Eigen::Scaling(times));
-    const Fitted fitted = Fit(from, Moved(part, smaller), param);
+    const Fitted fitted = FitToPart(smaller);
     EXPECT_NEAR(fitted.report.scaledBy, times, 0.05 * times) << "and 1 where all of the surface tells it";
-    EXPECT_LT(Rms(fitted, Moved(from, smaller)), 0.016);
+    EXPECT_LT(Rms(fitted, Moved(partly, smaller)), 0.016);
     EXPECT_NE(Joined(fitted.report.Remarks()).find("The scale is a guess: "), std::string::npos);
 }
 
@@ -1126,15 +1136,11 @@ TEST(Fit, FindsTheScaleOfAPart) {
 TEST(Fit, FindsHowAPartIsTurned) {
     if (sanitized)
         return; // it needs many samples
-    FitParam param = Small();
-    param.samples = 800;
-    param.fitSteps = 30;
-    const Shape from = Lumpy(30), part = Above(Lumpy(37), 0.7, 1);
     const double turned = 2.2;
     const Eigen::Affine3d away(Eigen::AngleAxisd(turned, Vector3d(1, 2, -1).normalized()));
-    const Fitted fitted = Fit(from, Moved(part, away), param);
+    const Fitted fitted = FitToPart(away);
     EXPECT_NEAR(fitted.report.turnedBy, turned, 0.1);
-    EXPECT_LT(Rms(fitted, Moved(from, away)), 0.016) << "and 0.43 by the axes alone";
+    EXPECT_LT(Rms(fitted, Moved(partly, away)), 0.016) << "and 0.43 by the axes alone";
 }
 
 // The body tells, though the mean of all is turned and lies elsewhere.
