@@ -148,24 +148,25 @@ const Described described[] = {
 };
 static_assert(std::size(described) == FilterFcd::SaveTags + 1);
 
-const Described &its(int id) { return described[std::size_t(id)]; }
+const Described &textsOf(int id) { return described[std::size_t(id)]; }
 
 } // namespace
 
-QString FilterFcd::filterName(int id) const { return its(id).inWindow; }
+QString FilterFcd::filterName(int id) const { return textsOf(id).inWindow; }
 
-QString FilterFcd::scriptName(int id) const { return its(id).inScripts; }
+QString FilterFcd::scriptName(int id) const { return textsOf(id).inScripts; }
 
-int FilterFcd::changes(int id) const { return its(id).changes; }
+int FilterFcd::changes(int id) const { return textsOf(id).changes; }
 
 HostFilterPlugin::FilterClass FilterFcd::menus(int id) const {
     const int both = int(Smoothing) | int(Texture);
     // NOLINTNEXTLINE(clang-analyzer-optin.core.EnumCastOutOfRange): the host takes it as bits
-    return (its(id).flags & textured) != 0 ? FilterClass(both) : Smoothing;
+    return (textsOf(id).flags & textured) != 0 ? FilterClass(both) : Smoothing;
 }
 
-RichParameterList FilterFcd::defaults(int id, const MeshDocument &document) { return its(id).parameters(document); }
+RichParameterList FilterFcd::defaults(int id, const MeshDocument &document) { return textsOf(id).parameters(document); }
 
 QString FilterFcd::filterInfo(int id) const {
-    return (id == DeformMesh ? shown() : QString()) + its(id).help + ((its(id).flags & ofMethod) != 0 ? reference : "");
+    return (id == DeformMesh ? shown() : QString()) + textsOf(id).help +
+           ((textsOf(id).flags & ofMethod) != 0 ? reference : "");
 }

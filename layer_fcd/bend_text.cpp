@@ -222,18 +222,18 @@ std::string rangesText(const std::string &key, const std::vector<Value> &values,
 }
 
 std::string handleText(int tag, const BendHandle &handle) {
-    const std::string its = " " + ToText(tag);
+    const std::string ofTag = " " + ToText(tag);
     std::string text, name = handle.name;
     std::replace_if(
         name.begin(), name.end(), [](char c) { return c == '\n' || c == '\r' || c == '\0'; }, ' ');
     if (!name.empty())
-        text += "name" + its + " " + name + "\n";
+        text += "name" + ofTag + " " + name + "\n";
     if (handle.isHidden)
-        text += "hidden" + its + "\n";
+        text += "hidden" + ofTag + "\n";
     if (handle.isLocked)
-        text += "locked" + its + "\n";
+        text += "locked" + ofTag + "\n";
     if (handle.pivot)
-        text += "pivot" + its + " " + textOf(*handle.pivot) + "\n";
+        text += "pivot" + ofTag + " " + textOf(*handle.pivot) + "\n";
     return text;
 }
 

@@ -181,23 +181,23 @@ std::optional<KeptScan> inheritedScan(const MeshModel &layer, const std::vector<
         scan.colors[number] = vertex.cC();
         scan.qualities[number] = vertex.cQ();
         scan.number[i] = number + 1;
-        TaggedVertex &its = scan.vertices[number] = {vertex.cP(), numberOf(vertex.cC()), TaggedVertex::noTag, false};
+        TaggedVertex &copy = scan.vertices[number] = {vertex.cP(), numberOf(vertex.cC()), TaggedVertex::noTag, false};
         for (TaggedPlaces &source : tagged) {
             const KeptScan &kept = source.kept();
-            const std::uint32_t found = its.hasColor || its.hasQuality() ? 0 : source.find(vertex);
+            const std::uint32_t found = copy.hasColor || copy.hasQuality() ? 0 : source.find(vertex);
             if (found == 0)
                 continue;
-            its.hasColor = kept.color;
-            its.tag = source.isTag(vertex, found) ? int(vertex.cQ()) : TaggedVertex::noTag;
-            if (its.hasColor)
+            copy.hasColor = kept.color;
+            copy.tag = source.isTag(vertex, found) ? int(vertex.cQ()) : TaggedVertex::noTag;
+            if (copy.hasColor)
                 scan.colors[number] = kept.colors[found - 1];
-            if (its.hasQuality())
+            if (copy.hasQuality())
                 scan.qualities[number] = kept.qualities[found - 1];
-            scan.color |= its.hasColor;
-            scan.quality |= its.hasQuality();
-            scan.hadColor |= its.hasColor && kept.hadColor;
-            scan.hadQuality |= its.hasQuality() && kept.hadQuality;
-            scan.countedQuality |= its.hasQuality() && kept.countedQuality;
+            scan.color |= copy.hasColor;
+            scan.quality |= copy.hasQuality();
+            scan.hadColor |= copy.hasColor && kept.hadColor;
+            scan.hadQuality |= copy.hasQuality() && kept.hadQuality;
+            scan.countedQuality |= copy.hasQuality() && kept.countedQuality;
             for (int k = 0; k < 3; ++k) {
                 scan.lowColor[k] = isFirst ? kept.lowColor[k] : std::min(scan.lowColor[k], kept.lowColor[k]);
                 scan.highColor[k] = isFirst ? kept.highColor[k] : std::max(scan.highColor[k], kept.highColor[k]);

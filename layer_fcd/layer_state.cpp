@@ -44,12 +44,12 @@ class Attribute final : public host::Follower {
     std::shared_ptr<LayerState> get() const { return state.lock(); }
 
     void Resize(std::size_t n) override {
-        if (const auto its = get())
-            its->resize(n);
+        if (const auto known = get())
+            known->resize(n);
     }
     void Reorder(std::vector<std::size_t> &newSlots) override {
-        if (const auto its = get())
-            its->reorder(newSlots);
+        if (const auto known = get())
+            known->reorder(newSlots);
     }
 
   private:
@@ -57,17 +57,17 @@ class Attribute final : public host::Follower {
 };
 using StateAttribute = Attribute<StateLayout>;
 
-bool isIts(const vcg::PointerToAttribute &attribute) {
+bool holdsState(const vcg::PointerToAttribute &attribute) {
     return attribute._name.empty() && host::isCalled<StateAttribute>(attribute);
 }
 
 /// Removes the attribute of a state, if there is one.
 void removeAttribute(CMeshO &mesh) {
-    const auto its = std::find_if(mesh.vert_attr.begin(), mesh.vert_attr.end(), isIts);
-    if (its == mesh.vert_attr.end())
+    const auto attribute = std::find_if(mesh.vert_attr.begin(), mesh.vert_attr.end(), holdsState);
+    if (attribute == mesh.vert_attr.end())
         return;
-    delete its->_handle;
-    mesh.vert_attr.erase(its);
+    delete attribute->_handle;
+    mesh.vert_attr.erase(attribute);
 }
 
 /// The name of the property of a document that points at its states.
@@ -113,10 +113,10 @@ void leaveTo(MeshDocument &document, LayerState &gone) {
         handDownGraph(document, gone);
         handDownMeasured(document, gone);
         for (const MeshModel *layer : host::layers(document)) { // what copies have is not lost
-            const LayerState &its = LayerState::known(*layer);
-            if (gone.scan && its.scan && inheritedScan(*layer, {&gone}))
+            const LayerState &copy = LayerState::known(*layer);
+            if (gone.scan && copy.scan && inheritedScan(*layer, {&gone}))
                 gone.scan.reset();
-            if (gone.rest && its.rest && inheritedRest(*layer, {&gone}))
+            if (gone.rest && copy.rest && inheritedRest(*layer, {&gone}))
                 gone.rest.reset();
         }
     } catch (const std::bad_alloc &) { // its colours and rest shapes are lost; the program goes on
@@ -150,11 +150,11 @@ States &madeStatesOf(const MeshDocument &document) {
     const auto states = std::make_shared<States>();
     known = states.get();
     QObject::connect(&document, &MeshDocument::meshRemoved, [states, &document](int gone) {
-        const auto its = states->find(gone);
-        if (its == states->end())
+        const auto entry = states->find(gone);
+        if (entry == states->end())
             return;
-        const std::shared_ptr<LayerState> state = its->second;
-        states->erase(its);
+        const std::shared_ptr<LayerState> state = entry->second;
+        states->erase(entry);
         leaveTo(const_cast<MeshDocument &>(document), *state);
     });
     if (host::inWindow())
@@ -203,22 +203,22 @@ void forPairs(LayerState &state, const SlotOf &slotOf) {
 
 LayerState *LayerState::of(const CMeshO &mesh) {
     for (const vcg::PointerToAttribute &attribute : mesh.vert_attr)
-        if (isIts(attribute))
-            if (LayerState *its = static_cast<const StateAttribute *>(attribute._handle)->get().get())
-                return its; // the document owns it
+        if (holdsState(attribute))
+            if (LayerState *state = static_cast<const StateAttribute *>(attribute._handle)->get().get())
+                return state; // the document owns it
     return nullptr;
 }
 
 const LayerState &LayerState::known(const MeshModel &layer) {
     static const LayerState nothing;
-    const LayerState *its = of(layer);
-    return its ? *its : nothing;
+    const LayerState *state = of(layer);
+    return state ? *state : nothing;
 }
 
 LayerState &LayerState::made(const MeshDocument &document, MeshModel &layer) {
-    LayerState *const its = of(layer);
-    if (its)
-        return *its;
+    LayerState *const known = of(layer);
+    if (known)
+        return *known;
     States &states = madeStatesOf(document);
     // A host that closes all layers at once sends no signal.
     for (auto each = states.begin(); each != states.end();) {

@@ -95,11 +95,12 @@ void inheritMeasured(const MeshDocument &document, MeshModel &layer) {
         return;
     std::vector<std::uint64_t> known; // as they were when measured, and as they are now
     for (const MeshModel *other : host::layers(document))
-        if (const std::optional<MeasuredState> &its = LayerState::known(*other).measured; its && !its->areTags) {
-            if (hasQualities(layer.cm, *its))
+        if (const std::optional<MeasuredState> &measured = LayerState::known(*other).measured;
+            measured && !measured->areTags) {
+            if (hasQualities(layer.cm, *measured))
                 return keepMeasured(document, layer);
-            append(known, its->number);
-            append(known, its->gone);
+            append(known, measured->number);
+            append(known, measured->gone);
             if (isMeasured(*other))
                 append(known, numbersOf(other->cm));
         }

@@ -55,8 +55,8 @@ void resizeOthers(Elements &elements, const std::set<vcg::PointerToAttribute> &a
 void copyAttributes(const std::set<vcg::PointerToAttribute> &to, const std::set<vcg::PointerToAttribute> &from,
                     const Packing &packing) {
     for (const vcg::PointerToAttribute &attribute : to)
-        if (const auto its = from.find(attribute); !attribute._name.empty() && its != from.end())
-            packing.forEach([&](std::size_t i, std::size_t j) { attribute._handle->CopyValue(j, i, its->_handle); });
+        if (const auto source = from.find(attribute); !attribute._name.empty() && source != from.end())
+            packing.forEach([&](std::size_t i, std::size_t j) { attribute._handle->CopyValue(j, i, source->_handle); });
 }
 
 } // namespace

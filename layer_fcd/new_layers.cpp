@@ -164,9 +164,9 @@ MeshModel &NewLayers::addDeformed(const QString &what, const Eigen::Matrix3Xd &p
         packing.forEach(
             [&](std::size_t i, std::size_t j) { layer.cm.vert[j].Q() = CVertexO::QualityType(quality[i]); });
     }
-    const LayerState &its = LayerState::known(base);
-    const bool areTags = quality.empty() && ((its.scan && its.scan->quality && !its.scan->hadQuality) ||
-                                             (its.measured && its.measured->areTags));
+    const LayerState &state = LayerState::known(base);
+    const bool areTags = quality.empty() && ((state.scan && state.scan->quality && !state.scan->hadQuality) ||
+                                             (state.measured && state.measured->areTags));
     if (!quality.empty() || areTags || isMeasured(base))
         keepMeasured(document, layer, areTags);
     computeNormals(layer.cm);

@@ -160,11 +160,11 @@ RestState restOf(const Reader &from, const LiveVertices &live, std::vector<char>
     if (from.has("whereabouts")) {
         std::vector<Point3m> posed;
         readPoints(from, live, "posed", posed);
-        live.read(from.array<std::uint8_t>("whereabouts", 1), 1, [&](std::size_t i, const std::uint8_t *its) {
-            if (*its > moved)
+        live.read(from.array<std::uint8_t>("whereabouts", 1), 1, [&](std::size_t i, const std::uint8_t *kind) {
+            if (*kind > moved)
                 from.fail("whereabouts is out of range");
-            isAtHome[i] = *its == atHome;
-            if (*its == moved)
+            isAtHome[i] = *kind == atHome;
+            if (*kind == moved)
                 rest.vertex[i] = posedAt(posed[i]);
         });
     }
@@ -272,20 +272,20 @@ std::shared_ptr<FitToolState> fitOf(const Reader &from, const LiveVertices &live
     if (from.has("pairs"))
         fit.pairs = pairsOf(from, "pairs", live);
     if (from.has("fit")) {
-        const Reader its = from.in("fit");
+        const Reader part = from.in("fit");
         FitOptions &options = fit.options;
-        options.stiffness = its.number("stiffness", FitOptions::leastStiffness, FitOptions::mostStiffness);
-        options.start = vcg::fcd::FitStart(its.whole("start", int(vcg::fcd::FitStart::TriedAxes)));
-        options.largestDistance = its.number("largest_distance", 0, FitOptions::mostDistance);
-        options.weights = FitMeshParam::Weights(its.whole("weights", FitMeshParam::WeightsAttribute));
-        options.targetWeights = FitMeshParam::Weights(its.whole("target_weights", FitMeshParam::WeightsAttribute));
-        fit.target = its.text("target");
-        fit.curves = its.text("curves");
-        if (its.has("shown")) {
-            fit.shown = FitShape(its.whole("shown", int(FitShape::Pulled)));
-            fit.matrix = matrixThen(its, layer, file);
+        options.stiffness = part.number("stiffness", FitOptions::leastStiffness, FitOptions::mostStiffness);
+        options.start = vcg::fcd::FitStart(part.whole("start", int(vcg::fcd::FitStart::TriedAxes)));
+        options.largestDistance = part.number("largest_distance", 0, FitOptions::mostDistance);
+        options.weights = FitMeshParam::Weights(part.whole("weights", FitMeshParam::WeightsAttribute));
+        options.targetWeights = FitMeshParam::Weights(part.whole("target_weights", FitMeshParam::WeightsAttribute));
+        fit.target = part.text("target");
+        fit.curves = part.text("curves");
+        if (part.has("shown")) {
+            fit.shown = FitShape(part.whole("shown", int(FitShape::Pulled)));
+            fit.matrix = matrixThen(part, layer, file);
             if (!from.has("rest"))
-                its.fail("rest is missing");
+                part.fail("rest is missing");
         }
     }
     const bool isEmpty = fit.pairs.empty() && !fit.isSet() && fit.shown == FitShape::Rest;

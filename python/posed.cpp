@@ -28,11 +28,11 @@ Posed::Posed(std::shared_ptr<const Prepared> given, const nb::bytes &state) : pr
     const auto &regions = prepared->deformer->regions;
     bool isOfIt = pose.region.size() == regions.size();
     for (std::size_t r = 0; isOfIt && r < regions.size(); ++r) {
-        const vcg::fcd::RegionPose &its = pose.region[r];
+        const vcg::fcd::RegionPose &posed = pose.region[r];
         const auto k = std::size_t(regions[r]->graph.Size());
-        for (const vcg::fcd::GraphPose *each : {&its.solved, &its.graph})
+        for (const vcg::fcd::GraphPose *each : {&posed.solved, &posed.graph})
             isOfIt = isOfIt && std::size_t(each->position.cols()) == k && each->linear.size() == k &&
-                     (each->rests.empty() || each->rests.size() == k) && its.nodeMotion.size() == k;
+                     (each->rests.empty() || each->rests.size() == k) && posed.nodeMotion.size() == k;
     }
     if (!isOfIt)
         throw vcg::fcd::BadInput("The pose is one of another surface, or of another version of this package: pose "

@@ -134,8 +134,8 @@ nb::object Prepared::patchOf() const {
     const std::vector<std::int32_t> first = firstNodes();
     for (std::size_t i = 0; i < view.vertexSlots; ++i) {
         const auto place = deformer->At(i);
-        const Index its = place.region ? place.region->patches.patchOf[std::size_t(place.node)] : -1;
-        patch[i] = its < 0 ? -1 : first[place.number] + its;
+        const Index own = place.region ? place.region->patches.patchOf[std::size_t(place.node)] : -1;
+        patch[i] = own < 0 ? -1 : first[place.number] + own;
     }
     return patches;
 }

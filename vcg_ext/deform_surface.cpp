@@ -159,13 +159,13 @@ DeformationCheck CheckPose(const SurfaceView &mesh, const Handles &handles, cons
     check.rigid = !deformer.regions.empty() || detail::MovesAsOne({}, pose.given.motion);
     for (std::size_t r = 0; r < deformer.regions.size(); ++r) {
         const MovingRegion &region = *deformer.regions[r];
-        const RegionPose &its = pose.region[r];
-        check.rigid = check.rigid && detail::MovesAsOne(region.held.tag, its.given.motion);
-        check.volumeOff = std::max(check.volumeOff, its.volumeOff);
-        std::vector<Eigen::Matrix3d> turns = its.graph.linear; // of the surface in each patch
+        const RegionPose &posed = pose.region[r];
+        check.rigid = check.rigid && detail::MovesAsOne(region.held.tag, posed.given.motion);
+        check.volumeOff = std::max(check.volumeOff, posed.volumeOff);
+        std::vector<Eigen::Matrix3d> turns = posed.graph.linear; // of the surface in each patch
         for (Index j = 0; j < region.graph.Size(); ++j)
             if (region.graph.IsHeld(j))
-                turns[j] = its.nodeMotion[j].linear();
+                turns[j] = posed.nodeMotion[j].linear();
         check.flipped += detail::CountFlipped(mesh, deformer, r, turns, position,
                                               progress.Slice(double(r) / double(deformer.regions.size()),
                                                              double(r + 1) / double(deformer.regions.size())));

@@ -87,12 +87,12 @@ HeldMotions RegionDeformer::Probe(int axis) const {
     const Eigen::Affine3d move(Eigen::Translation3d(way * along));
     HeldMotions m;
     m.motion[0].setIdentity();
-    for (const auto &[tag, its] : holding) {
+    for (const auto &[tag, region] : holding) {
         if (tag == 0)
             continue;
-        const bool turns = its.count > 1; // single vertices do not turn, nor do point handles
+        const bool turns = region.count > 1; // single vertices do not turn, nor do point handles
         Eigen::Affine3d moved(turns ? detail::RotationBy(turn, along) : Eigen::Matrix3d(Eigen::Matrix3d::Identity()));
-        moved.translation() = its.middle - moved.linear() * its.middle;
+        moved.translation() = region.middle - moved.linear() * region.middle;
         m.motion[tag] = surface.frame.FromFrame(move * moved);
         m.rotates[tag] = turns;
     }

@@ -54,8 +54,8 @@ class DeformerMaker {
         made->placedNodes = found.placedNodes;
         made->slotTag = std::move(whole.tag);
         made->center = HandleCenters(made->slotTag, [&](std::size_t i) { return Eigen::Vector3d(mesh.At(i)); });
-        for (const auto &[slot, its] : found.heldBeside)
-            made->slotTag[slot] = its;
+        for (const auto &[slot, held] : found.heldBeside)
+            made->slotTag[slot] = held;
         made->loose = std::move(found.loose);
         Join(same.empty() ? found.gaps : std::max(found.gaps, kept->report.gaps));
         FollowLoose(progress.Slice(0.95, 1));
@@ -90,10 +90,10 @@ class DeformerMaker {
     }
 
     /// Sets the tag of the free vertices of the regions that are reused.
-    void TagSame(std::vector<int> &tag, int its) const {
+    void TagSame(std::vector<int> &tag, int newTag) const {
         for (const auto &region : same)
             for (const MovingRegion::Bent &vertex : region->bent)
-                tag[vertex.slot] = its;
+                tag[vertex.slot] = newTag;
     }
 
     /// Whether, in a cloud, a region that was read reaches free points of a reused region.
@@ -145,10 +145,10 @@ class DeformerMaker {
         std::vector<std::shared_ptr<const RegionDeformer>> regions(read.size());
         std::vector<std::vector<Index>> nodeOf(read.size());
         const auto prepare = [&](std::size_t r, const Progress &part) {
-            DeformerParam its = param;
-            its.graph.initialPatches = patchesOf(read[r].surface);
+            DeformerParam ofRegion = param;
+            ofRegion.graph.initialPatches = patchesOf(read[r].surface);
             read[r].most = most;
-            regions[r] = std::make_shared<RegionDeformer>(std::move(read[r]), its, nodeOf[r], part);
+            regions[r] = std::make_shared<RegionDeformer>(std::move(read[r]), ofRegion, nodeOf[r], part);
             if (areas.size() > 1)
                 nodeOf[r] = {};
         };

@@ -121,16 +121,16 @@ void Fitter::Run::Draw(const Progress &progress) {
 /// Finds the ends of limbs that source and target have in common. \return whether one of them is off now
 bool Fitter::Run::FindEnds() {
     const std::size_t stride = 1 + (matched - 1) / endPlaces;
-    std::vector<Eigen::Vector3d> own, ownNormal, its, itsNormal;
+    std::vector<Eigen::Vector3d> own, ownNormal, there, normalThere;
     for (std::size_t s = 0; s < matched; s += stride) {
         own.push_back(samples.At(s, start));
         ownNormal.push_back(samples.NormalAt(s, start));
     }
     for (const FitTarget::Match &match : target.Places(own.size())) {
-        its.push_back(match.point);
-        itsNormal.push_back(match.isOriented ? match.normal : Eigen::Vector3d::Zero());
+        there.push_back(match.point);
+        normalThere.push_back(match.isOriented ? match.normal : Eigen::Vector3d::Zero());
     }
-    const std::vector<LimbEnd> from = EndsOfLimbs(own, ownNormal), to = EndsOfLimbs(its, itsNormal);
+    const std::vector<LimbEnd> from = EndsOfLimbs(own, ownNormal), to = EndsOfLimbs(there, normalThere);
     bool isElsewhere = false;
     for (const auto &[i, j] : MatchEnds(from, to)) {
         ends.push_back({from[i].place * stride, to[j].at});

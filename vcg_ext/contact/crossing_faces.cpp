@@ -123,10 +123,10 @@ class Leaves {
 
     /// Whether the box of triangle \p k of \p a meets that of leaf \p j.
     bool MeetsBox(const Leaf &a, std::size_t k, std::size_t j) const {
-        const Eigen::AlignedBox3f &its = box[j];
+        const Eigen::AlignedBox3f &other = box[j];
         int meet = 1;
         for (int d = 0; d < 3; ++d)
-            meet &= int(a.low[d][k] <= its.max()[d]) & int(its.min()[d] <= a.high[d][k]);
+            meet &= int(a.low[d][k] <= other.max()[d]) & int(other.min()[d] <= a.high[d][k]);
         return meet != 0;
     }
 
@@ -135,7 +135,7 @@ class Leaves {
         Leaf &own = leaf[i];
         own.moves = 0;
         for (std::size_t k = 0; k < wide; ++k) {
-            Eigen::AlignedBox3f its;
+            Eigen::AlignedBox3f moved;
             own.face[k] = SurfaceView::none;
             if (i * wide + k < count) {
                 const auto at = std::size_t(std::uint32_t(item[i * wide + k]));
@@ -149,12 +149,12 @@ class Leaves {
                         own.corner[c] = corner[c];
                     else if (std::find(corner, corner + 3, own.corner[c]) == corner + 3)
                         own.corner[c] = SurfaceView::none;
-                its = {(now.min() - origin).cast<float>(), (now.max() - origin).cast<float>()};
-                box[i].extend(its);
+                moved = {(now.min() - origin).cast<float>(), (now.max() - origin).cast<float>()};
+                box[i].extend(moved);
             }
             for (int d = 0; d < 3; ++d) {
-                own.low[d][k] = its.min()[d];
-                own.high[d][k] = its.max()[d];
+                own.low[d][k] = moved.min()[d];
+                own.high[d][k] = moved.max()[d];
             }
         }
     }

@@ -154,8 +154,8 @@ void MeasurePieces(const TwoShapes &shape, const std::vector<char> &crosses, Sur
             double square = crossing.tree
                                 ->Among(p,
                                         [&](Index t) {
-                                            const auto &its = crossing.piece[t];
-                                            return its[0] != own && its[1] != own && its[2] != own;
+                                            const auto &three = crossing.piece[t];
+                                            return three[0] != own && three[1] != own && three[2] != own;
                                         })
                                 .square;
             const Eigen::Vector3d reach = Eigen::Vector3d::Constant(std::sqrt(square));

@@ -241,18 +241,18 @@ class FieldSampler {
         std::vector<Extent> extent(pieces.size());
         for (std::size_t i = 0; i < surface.nodeOf.size(); ++i)
             if (surface.nodeOf[i] >= 0 && !Rests(i)) {
-                Extent &its = extent[PieceOf(surface.nodeOf[i])];
+                Extent &grown = extent[PieceOf(surface.nodeOf[i])];
                 const Eigen::Vector3d from = rest.col(Eigen::Index(i)), to = deformed.col(Eigen::Index(i));
-                its.box.extend(from);
-                its.motion = std::max(its.motion, (to - from).norm());
-                its.farthest = std::max({its.farthest, from.cwiseAbs().maxCoeff(), to.cwiseAbs().maxCoeff()});
+                grown.box.extend(from);
+                grown.motion = std::max(grown.motion, (to - from).norm());
+                grown.farthest = std::max({grown.farthest, from.cwiseAbs().maxCoeff(), to.cwiseAbs().maxCoeff()});
             }
         for (std::size_t p = 0; p < pieces.size(); ++p) {
-            const Extent &its = extent[p];
+            const Extent &piece = extent[p];
             const double automatic =
-                its.box.isEmpty() ? 0 : std::min(1e-4 * its.box.diagonal().norm(), its.motion / 50);
+                piece.box.isEmpty() ? 0 : std::min(1e-4 * piece.box.diagonal().norm(), piece.motion / 50);
             pieces[p].accuracy = std::max(param.accuracy > 0 ? param.accuracy : automatic,
-                                          4 * std::numeric_limits<double>::epsilon() * its.farthest); // rounding
+                                          4 * std::numeric_limits<double>::epsilon() * piece.farthest); // rounding
         }
     }
 

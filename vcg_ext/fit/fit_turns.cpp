@@ -56,21 +56,21 @@ FitTurns::Side FitTurns::Prepared(std::vector<Eigen::Vector3d> place) {
 }
 
 FitTurns::FitTurns(const std::vector<Eigen::Vector3d> &points, const std::vector<Eigen::Vector3d> &normal,
-                   const FitTarget &target)
-    : own(Prepared(points)) {
-    own.normal = normal;
-    own.normal.resize(points.size(), Eigen::Vector3d::Zero());
-    own.isOriented.assign(points.size(), 1);
-    std::vector<Eigen::Vector3d> place, itsNormal;
+                   const FitTarget &onto)
+    : source(Prepared(points)) {
+    source.normal = normal;
+    source.normal.resize(points.size(), Eigen::Vector3d::Zero());
+    source.isOriented.assign(points.size(), 1);
+    std::vector<Eigen::Vector3d> place, normalThere;
     std::vector<char> isOriented;
-    for (const FitTarget::Match &match : target.Places(points.size())) {
+    for (const FitTarget::Match &match : onto.Places(points.size())) {
         place.push_back(match.point);
-        itsNormal.push_back(match.normal);
+        normalThere.push_back(match.normal);
         isOriented.push_back(match.isOriented);
     }
-    its = Prepared(std::move(place));
-    its.normal = std::move(itsNormal);
-    its.isOriented = std::move(isOriented);
+    target = Prepared(std::move(place));
+    target.normal = std::move(normalThere);
+    target.isOriented = std::move(isOriented);
 }
 
 /// The mean distance of one side from the other, in units of \p to. The normals of the two are tried as they are and
@@ -89,39 +89,41 @@ double FitTurns::MeanFar(const Side &from, const Side &to, const Eigen::Affine3d
 }
 
 double FitTurns::Misfit(const Eigen::Affine3d &motion, double scale) const {
-    if (!own.tree || !its.tree)
+    if (!source.tree || !target.tree)
         return 0;
-    return std::min(MeanFar(own, its, motion, scale), scale * MeanFar(its, own, motion.inverse(), 1 / scale));
+    return std::min(MeanFar(source, target, motion, scale),
+                    scale * MeanFar(target, source, motion.inverse(), 1 / scale));
 }
 
 /// Moves the surface nearer to the target, by planes through pairs of nearest points. Pairs count by the weights of
 /// Geman and McClure, as wide as the median distance of that side that lies on the other.
 Alignment FitTurns::Nearer(Alignment alignment, double scale, int rounds) const {
-    const std::size_t ownCount = own.Count(), count = ownCount + its.Count();
+    const std::size_t sourceCount = source.Count(), count = sourceCount + target.Count();
     std::vector<Eigen::Vector3d> from(count), to(count), n(count);
     std::vector<double> cosine(count), distance(count);
     for (int round = 0; round < rounds; ++round) {
         const Eigen::Affine3d back = alignment.motion.inverse();
         for (std::size_t k = 0; k < count; ++k) {
-            const bool isOwn = k < ownCount;
-            const Eigen::Vector3d p = isOwn ? own.place[k * own.stride] : its.place[(k - ownCount) * its.stride];
-            const std::size_t i = isOwn ? k * own.stride : std::size_t(own.tree->Nearest(back * p)),
-                              j = isOwn ? std::size_t(its.tree->Nearest(alignment.motion * p))
-                                        : (k - ownCount) * its.stride;
-            from[k] = alignment.motion * own.place[i];
-            to[k] = its.place[j];
-            n[k] = its.normal[j];
+            const bool isSource = k < sourceCount;
+            const Eigen::Vector3d p =
+                isSource ? source.place[k * source.stride] : target.place[(k - sourceCount) * target.stride];
+            const std::size_t i = isSource ? k * source.stride : std::size_t(source.tree->Nearest(back * p)),
+                              j = isSource ? std::size_t(target.tree->Nearest(alignment.motion * p))
+                                           : (k - sourceCount) * target.stride;
+            from[k] = alignment.motion * source.place[i];
+            to[k] = target.place[j];
+            n[k] = target.normal[j];
             distance[k] = (from[k] - to[k]).norm();
-            cosine[k] = its.isOriented[j] ? n[k].dot(alignment.motion.linear() * own.normal[i]) / scale : 0;
+            cosine[k] = target.isOriented[j] ? n[k].dot(alignment.motion.linear() * source.normal[i]) / scale : 0;
         }
-        const auto half = distance.begin() + std::ptrdiff_t(ownCount);
+        const auto half = distance.begin() + std::ptrdiff_t(sourceCount);
         const double width = std::max(
                          {std::min(Quantile({distance.begin(), half}, 0.5), Quantile({half, distance.end()}, 0.5)),
                           FitMatches::least}),
                      side = SideOfNearest(distance, cosine);
         Eigen::Matrix<double, 6, 6> form = Eigen::Matrix<double, 6, 6>::Zero();
         Eigen::Matrix<double, 6, 1> gradient = Eigen::Matrix<double, 6, 1>::Zero();
-        const Eigen::Vector3d middle = alignment.motion * own.middle;
+        const Eigen::Vector3d middle = alignment.motion * source.middle;
         for (std::size_t k = 0; k < count; ++k) {
             if (side * cosine[k] < 0)
                 continue;
@@ -146,10 +148,10 @@ Alignment FitTurns::Nearer(Alignment alignment, double scale, int rounds) const 
 }
 
 std::vector<Alignment> FitTurns::Best(double scale, std::vector<Eigen::Affine3d> start, unsigned threads) const {
-    if (!own.tree || !its.tree)
+    if (!source.tree || !target.tree)
         return {};
     for (const Eigen::Matrix3d &turn : Icosahedral())
-        start.push_back(Eigen::Translation3d(its.middle) * turn * Eigen::Translation3d(-own.middle));
+        start.push_back(Eigen::Translation3d(target.middle) * turn * Eigen::Translation3d(-source.middle));
     std::vector<Alignment> alignments(start.size());
     const auto nearer = [&](int rounds) {
         ParallelFor(threads, alignments.size(), 4, [&](std::size_t begin, std::size_t end) {
@@ -162,7 +164,7 @@ std::vector<Alignment> FitTurns::Best(double scale, std::vector<Eigen::Affine3d>
     for (std::size_t k = 0; k < start.size(); ++k) {
         alignments[k].motion = start[k];
         alignments[k].motion.linear() *= scale;
-        alignments[k].motion.translation() = start[k] * own.middle - alignments[k].motion.linear() * own.middle;
+        alignments[k].motion.translation() = start[k] * source.middle - alignments[k].motion.linear() * source.middle;
     }
     nearer(firstRounds);
     alignments.resize(std::min(alignments.size(), bestAlignments));

@@ -50,7 +50,7 @@ class FitTurns {
     double Misfit(const Eigen::Affine3d &motion, double scale) const;
     Alignment Nearer(Alignment alignment, double scale, int rounds) const;
 
-    Side own, its;
+    Side source, target;
 };
 
 } // namespace vcg::fcd

@@ -240,8 +240,8 @@ std::size_t NearestPoint(const Eigen::Matrix3Xd &point, const Eigen::Vector3d &p
                 continue;
         }
         for (std::size_t i = begin; i < end; ++i)
-            if (const double its = square(i); its < least) {
-                least = its;
+            if (const double far = square(i); far < least) {
+                least = far;
                 best = i;
             }
     }
@@ -258,9 +258,9 @@ double FramedLine::Nearest(const Eigen::Vector3d &p, double from, double to) con
                  high = best == std::size_t(segments) ? any : begin + step;
     double s = begin;
     for (int k = 0; k < 4; ++k) { // Newton's method, from within a segment
-        const Place its(s, length, step, point, tangent, bend);
-        const Eigen::Vector3d off = p - its.point;
-        s += off.dot(its.along) / std::max(0.1, 1 - its.bend.dot(off));
+        const Place near(s, length, step, point, tangent, bend);
+        const Eigen::Vector3d off = p - near.point;
+        s += off.dot(near.along) / std::max(0.1, 1 - near.bend.dot(off));
         s = std::clamp(s, low, high);
     }
     return s;

@@ -26,9 +26,9 @@ LineMotion::Moved LineMotion::At(double s, const Eigen::Vector3d &p) const {
     const FramedLine::Frame before = from.At(within), after = to.At(within * ratio);
     const Eigen::Vector3d off = p - before.point; // may reach beyond the end
     Moved moved;
-    const Twist its = twist ? twist(within) : Twist();
+    const Twist twisted = twist ? twist(within) : Twist();
     const Eigen::Vector3d along = after.axes.col(0);
-    moved.turn = detail::RotationBy(its.angle, along) * after.axes * before.axes.transpose();
+    moved.turn = detail::RotationBy(twisted.angle, along) * after.axes * before.axes.transpose();
     const Eigen::Vector3d across = moved.turn * off;
     moved.position = after.point + across;
     moved.linear = moved.turn;
@@ -39,7 +39,8 @@ LineMotion::Moved LineMotion::At(double s, const Eigen::Vector3d &p) const {
         moved.isFolded = open <= 0 || openThere <= 0;
         moved.stretch = openThere / open;
         const Eigen::Vector3d t = before.axes.col(0);
-        moved.linear += ((ratio * moved.stretch - 1) * along + its.slope / open * along.cross(across)) * t.transpose();
+        moved.linear +=
+            ((ratio * moved.stretch - 1) * along + twisted.slope / open * along.cross(across)) * t.transpose();
     }
     return moved;
 }

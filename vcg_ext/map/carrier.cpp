@@ -13,8 +13,8 @@ std::vector<std::unique_ptr<const GraphMapping::Posed>> MappedOf(const MovingSur
     std::vector<std::unique_ptr<const GraphMapping::Posed>> mapped(moving.regions.size());
     ParallelFor(threads, mapped.size(), 1, [&](std::size_t r, std::size_t) {
         const MovingRegion &region = *moving.regions[r];
-        const RegionPose &its = pose.region[r];
-        mapped[r] = std::make_unique<const GraphMapping::Posed>(*region.mapping, its.graph, its.motion,
+        const RegionPose &posed = pose.region[r];
+        mapped[r] = std::make_unique<const GraphMapping::Posed>(*region.mapping, posed.graph, posed.motion,
                                                                 region.surface.frame, threads);
     });
     return mapped;

@@ -308,15 +308,15 @@ class ConstraintBlend {
             for (std::size_t a = 0, b; a < seen.size(); a = b) {
                 for (b = a + 1; b < std::min(seen.size(), a + lanes) && seen[b].view == seen[a].view;)
                     ++b;
-                const auto its = Index(std::uint32_t(seen[a].view));
+                const auto seenTag = Index(std::uint32_t(seen[a].view));
                 float x[3][lanes], sum[3][lanes] = {};
                 for (std::size_t l = 0; l < lanes; ++l)
                     for (int d = 0; d < 3; ++d)
                         x[d][l] = surface.position(d, seen[std::min(a + l, b - 1)].node);
                 const std::vector<Index> &near = nearby[seen[a].view >> 32];
-                auto r = std::lower_bound(near.begin(), near.end(), its,
+                auto r = std::lower_bound(near.begin(), near.end(), seenTag,
                                           [&](Index other, Index tag) { return patches.tag[other] < tag; });
-                for (; r != near.end() && patches.tag[*r] == its; ++r) {
+                for (; r != near.end() && patches.tag[*r] == seenTag; ++r) {
                     const Eigen::Vector3f center = graph.graph.position.col(*r), in = inward.col(*r);
                     for (std::size_t l = 0; l < lanes; ++l) {
                         const float dx = center[0] - x[0][l], dy = center[1] - x[1][l], dz = center[2] - x[2][l];

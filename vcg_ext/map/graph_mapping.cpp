@@ -137,10 +137,10 @@ void GraphMapping::Posed::MapAsPrinted(Index node, int lane, bool linear, detail
     Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();
     double total = 0;
     const auto add = [&](Index j, double weight) {
-        const Eigen::Map<const Eigen::Matrix3d> its(own[j].turn);
-        shift += weight * (its * (rest - Eigen::Map<const Eigen::Vector3d>(own[j].center)) +
+        const Eigen::Map<const Eigen::Matrix3d> nodeTurn(own[j].turn);
+        shift += weight * (nodeTurn * (rest - Eigen::Map<const Eigen::Vector3d>(own[j].center)) +
                            Eigen::Map<const Eigen::Vector3d>(own[j].shift));
-        turn += weight * its;
+        turn += weight * nodeTurn;
         total += weight;
     };
     mapping.ForPrintedWeights(node, add);
@@ -198,13 +198,13 @@ void GraphMapping::Posed::RunIntoHeld(Index node, int lane, bool linear, Scratch
     for (std::size_t h = mapping.constraintBlend->begin[node]; h < mapping.constraintBlend->begin[node + 1]; ++h) {
         // A held region does not stretch, but the surface beside it may: strain times the vector from the border.
         const ConstraintBlend::Held &held = mapping.constraintBlend->held[h];
-        const Eigen::Affine3d &its = *heldMotion[held.index];
+        const Eigen::Affine3d &regionMotion = *heldMotion[held.index];
         const double share = held.share / total;
         Eigen::Vector3f more = strain * held.away;
         if (!unstretched.empty()) // the held region stretches, too: only the strain beyond its own counts
             more = unstretched[std::size_t(held.index)] * (more + held.away) - held.away;
-        moved += share * (its * (rest + fromFrame * more.cast<double>()));
-        map += share * its.linear();
+        moved += share * (regionMotion * (rest + fromFrame * more.cast<double>()));
+        map += share * regionMotion.linear();
     }
     vertices.SetMoved(lane, moved);
     if (linear)
@@ -221,8 +221,8 @@ GraphMapping::Posed::Posed(const GraphMapping &mapping, const GraphPose &pose,
         heldMotion.push_back(&motion.at(t));
     if (pose.affine)
         for (Index t : mapping.constraintBlend->heldTag) {
-            const Eigen::Matrix3d &its = inFrame.at(t).linear();
-            const Eigen::Matrix3d back = (detail::RotationOf(its).transpose() * its).inverse();
+            const Eigen::Matrix3d &linear = inFrame.at(t).linear();
+            const Eigen::Matrix3d back = (detail::RotationOf(linear).transpose() * linear).inverse();
             unstretched.emplace_back((back.allFinite() ? back : Eigen::Matrix3d::Identity()).cast<float>());
         }
     ParallelFor(threads, std::size_t(mapping.graph.Size()), 64, [&](std::size_t first, std::size_t last) {

@@ -143,8 +143,8 @@ KeptVolume::KeptVolume(const std::vector<Face> &faces, const Graph &surface, con
     bodyOf.assign(std::size_t(patches.Size()), -1);
     for (std::size_t p = 0; p < place.size(); ++p)
         if (isFree(Index(p)))
-            if (const auto its = number.find(joined.Root(Index(p))); its != number.end())
-                bodyOf[std::size_t(place[p].patch)] = its->second;
+            if (const auto body = number.find(joined.Root(Index(p))); body != number.end())
+                bodyOf[std::size_t(place[p].patch)] = body->second;
 }
 
 std::vector<Index> KeptVolume::FindPlaces(const Graph &surface, const std::vector<Index> &tag, const Patches &patches) {
@@ -154,21 +154,21 @@ std::vector<Index> KeptVolume::FindPlaces(const Graph &surface, const std::vecto
             nodes[std::size_t(patches.patchOf[std::size_t(u)])].push_back(u);
     std::vector<Index> placeOf(std::size_t(surface.Size()), -1);
     for (std::size_t j = 0; j < nodes.size(); ++j) {
-        std::vector<Index> &its = nodes[j];
+        std::vector<Index> &ofPatch = nodes[j];
         const auto add = [&](std::size_t first, std::size_t end) {
-            const Index u = its[(first + end) / 2];
+            const Index u = ofPatch[(first + end) / 2];
             for (std::size_t i = first; i < end; ++i)
-                placeOf[std::size_t(its[i])] = Index(place.size());
+                placeOf[std::size_t(ofPatch[i])] = Index(place.size());
             place.push_back({u, Index(j), tag[std::size_t(u)], surface.position.col(u).cast<double>()});
         };
         // Each node of a small held part in the patch is a place of its own.
-        const auto others = std::stable_partition(its.begin(), its.end(),
+        const auto others = std::stable_partition(ofPatch.begin(), ofPatch.end(),
                                                   [&](Index u) { return tag[std::size_t(u)] == patches.tag[j]; });
-        const auto own = std::size_t(others - its.begin());
+        const auto own = std::size_t(others - ofPatch.begin());
         const std::size_t count = std::min(own, mostPlaces);
         for (std::size_t s = 0; s < count; ++s)
             add(own * s / count, own * (s + 1) / count);
-        for (std::size_t i = own; i < its.size(); ++i)
+        for (std::size_t i = own; i < ofPatch.size(); ++i)
             add(i, i + 1);
     }
     return placeOf;
@@ -205,13 +205,13 @@ void KeptVolume::Map(const GraphMapping::Posed &mapped, Eigen::Matrix3Xd &at) co
     GraphMapping::Posed::Scratch scratch;
     Index node[detail::lanes];
     for (std::size_t first = 0, next; first < place.size(); first = next) {
-        const Place &its = place[first];
+        const Place &one = place[first];
         next = first + 1;
-        if (its.tag != 1) {
-            at.col(Eigen::Index(first)) = mapped(its.node, its.rest);
+        if (one.tag != 1) {
+            at.col(Eigen::Index(first)) = mapped(one.node, one.rest);
             continue;
         }
-        while (next < place.size() && place[next].tag == 1 && place[next].patch == its.patch)
+        while (next < place.size() && place[next].tag == 1 && place[next].patch == one.patch)
             ++next;
         for (std::size_t p = first; p < next; ++p) {
             node[p - first] = place[p].node;
@@ -301,17 +301,17 @@ double KeptVolume::Keep(const DeformationGraph &graph, const PartsDeformer &part
         Map(GraphMapping::Posed(mapping, fitted, motion, {}, 1), at);
         off = 0;
         for (std::size_t b = 0; b < bodies.size(); ++b) {
-            Growth &its = growth[b];
+            Growth &now = growth[b];
             const double volume = VolumeOf(bodies[b].face, bodies[b].caps, at, step == 0 ? &change : nullptr),
                          left = std::abs(volume - bodies[b].rest);
-            if (step > 0 && its.step != its.best)
-                its.slope = (volume - its.volume) / (its.step - its.best);
-            if (step == 0 || left < its.off) {
-                its.best = its.step;
-                its.off = left;
-                its.volume = volume;
+            if (step > 0 && now.step != now.best)
+                now.slope = (volume - now.volume) / (now.step - now.best);
+            if (step == 0 || left < now.off) {
+                now.best = now.step;
+                now.off = left;
+                now.volume = volume;
             }
-            off = std::max(off, its.off / std::abs(bodies[b].rest));
+            off = std::max(off, now.off / std::abs(bodies[b].rest));
         }
         if (off <= volumeError || step == mostSteps)
             break;
@@ -334,10 +334,10 @@ double KeptVolume::Keep(const DeformationGraph &graph, const PartsDeformer &part
             }
         }
         for (std::size_t b = 0; b < bodies.size(); ++b) {
-            Growth &its = growth[b];
-            const double next = its.best + (bodies[b].rest - its.volume) / its.slope;
-            const bool isNext = its.off > volumeError * std::abs(bodies[b].rest) && std::isfinite(next);
-            its.step = isNext ? std::clamp(next, its.least, its.most) : its.best;
+            Growth &now = growth[b];
+            const double next = now.best + (bodies[b].rest - now.volume) / now.slope;
+            const bool isNext = now.off > volumeError * std::abs(bodies[b].rest) && std::isfinite(next);
+            now.step = isNext ? std::clamp(next, now.least, now.most) : now.best;
         }
         go(&Growth::step);
     }

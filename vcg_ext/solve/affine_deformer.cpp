@@ -34,8 +34,8 @@ AffineDeformer::AffineDeformer(const DeformationGraph &graph, const std::vector<
     for (Eigen::Index e = 0; e < graph.edge.cols(); ++e)
         edgeLength += graph.edge.col(e).cast<double>().norm() / double(graph.edge.cols());
     for (Index i = 0; i < k; ++i) {
-        const double its = energy.TurningMass(i);
-        mass.push_back(its > 0 ? its : 1); // without edges, all is left open
+        const double turning = energy.TurningMass(i);
+        mass.push_back(turning > 0 ? turning : 1); // without edges, all is left open
     }
     if (unknown.rotation.empty())
         return;
@@ -124,9 +124,9 @@ detail::GraphEnergy::State AffineDeformer::Base(const std::vector<Eigen::Affine3
     for (Index i = 0; i < k; ++i) {
         if (!unknown.HasConstraint(i))
             continue;
-        const Eigen::Affine3d &its = unknown.constrained[std::size_t(i)] ? motion[std::size_t(i)] : common;
-        x.position.col(i) = its * Eigen::Vector3d(x.position.col(i));
-        x.rotation[std::size_t(i)] = (unknown.IsRotationGiven(i) ? its : common).linear();
+        const Eigen::Affine3d &given = unknown.constrained[std::size_t(i)] ? motion[std::size_t(i)] : common;
+        x.position.col(i) = given * Eigen::Vector3d(x.position.col(i));
+        x.rotation[std::size_t(i)] = (unknown.IsRotationGiven(i) ? given : common).linear();
     }
     return x;
 }
@@ -187,10 +187,10 @@ void AffineDeformer::FitRotations(State &x) const {
 double AffineDeformer::Energy(const State &x, const PoseTerms &poseTerms, const Eigen::Matrix3d &open,
                               std::vector<double> *shares) const {
     double sum = 0;
-    const auto add = [&](Index i, double its) {
-        sum += its;
+    const auto add = [&](Index i, double share) {
+        sum += share;
         if (shares)
-            (*shares)[std::size_t(i)] += its;
+            (*shares)[std::size_t(i)] += share;
     };
     ForTerms(
         [&](Index i, Index j, std::uint32_t e, Index end, double w) {
@@ -198,17 +198,18 @@ double AffineDeformer::Energy(const State &x, const PoseTerms &poseTerms, const 
             add(end, w * (PosedEdge(x, poseTerms, i, j, e) - x.rotation[std::size_t(end)] * restEdge).squaredNorm());
         },
         [&](Index i, Index j, double w) {
-            const double its = w * (x.rotation[std::size_t(i)] - x.rotation[std::size_t(j)]).squaredNorm();
-            add(i, its / 2);
-            add(j, its / 2);
+            const double difference = w * (x.rotation[std::size_t(i)] - x.rotation[std::size_t(j)]).squaredNorm();
+            add(i, difference / 2);
+            add(j, difference / 2);
         });
     for (Index i : unknown.rotation) {
-        const Eigen::Matrix3d &its = x.rotation[std::size_t(i)];
-        add(i, poseTerms.stiffness[std::size_t(i)] * smooth * (its - poseTerms.linear[std::size_t(i)]).squaredNorm());
+        const Eigen::Matrix3d &linear = x.rotation[std::size_t(i)];
+        add(i,
+            poseTerms.stiffness[std::size_t(i)] * smooth * (linear - poseTerms.linear[std::size_t(i)]).squaredNorm());
         if (rigidity > 0)
-            add(i,
-                rigidity * mass[std::size_t(i)] * (its - detail::ToMatrix(x.quaternion[std::size_t(i)])).squaredNorm());
-        sum += leastStay * mass[std::size_t(i)] * (its - open).squaredNorm();
+            add(i, rigidity * mass[std::size_t(i)] *
+                       (linear - detail::ToMatrix(x.quaternion[std::size_t(i)])).squaredNorm());
+        sum += leastStay * mass[std::size_t(i)] * (linear - open).squaredNorm();
     }
     return sum;
 }
@@ -240,8 +241,8 @@ GraphPose AffineDeformer::Solve(const std::vector<Eigen::Affine3d> &motion, cons
     }
     pose.nodeEnergy.assign(std::size_t(k), 0);
     Energy(state, poseTerms, common.linear(), &pose.nodeEnergy);
-    for (double its : pose.nodeEnergy)
-        pose.energy += its;
+    for (double share : pose.nodeEnergy)
+        pose.energy += share;
     pose.affine = true;
     pose.position = std::move(state.position);
     pose.linear = std::move(state.rotation);

@@ -112,12 +112,12 @@ PartsDeformer::~PartsDeformer() = default;
 Eigen::VectorXd PartsDeformer::Spread(const Eigen::VectorXd &pressure) const {
     Eigen::VectorXd displacement = Eigen::VectorXd::Zero(pressure.size());
     for (const auto &part : parts) {
-        Eigen::VectorXd its(Eigen::Index(part->nodes.size()));
+        Eigen::VectorXd values(Eigen::Index(part->nodes.size()));
         for (std::size_t i = 0; i < part->nodes.size(); ++i)
-            its[Eigen::Index(i)] = pressure[part->nodes[i]];
-        its = part->deformer->Spread(its);
+            values[Eigen::Index(i)] = pressure[part->nodes[i]];
+        values = part->deformer->Spread(values);
         for (std::size_t i = 0; i < part->nodes.size(); ++i)
-            displacement[part->nodes[i]] += its[Eigen::Index(i)]; // 0 for nodes of several parts
+            displacement[part->nodes[i]] += values[Eigen::Index(i)]; // 0 for nodes of several parts
     }
     return displacement;
 }
@@ -159,10 +159,10 @@ GraphPose PartsDeformer::Solve(const NodeConstraints &constraints, const SolverP
             before.position.col(Eigen::Index(i)) = last->position.col(nodes[i]);
             before.linear.push_back(last->linear[nodes[i]]);
         }
-        const Progress its = progress.Slice(double(p) / double(parts.size()), double(p + 1) / double(parts.size()));
+        const Progress share = progress.Slice(double(p) / double(parts.size()), double(p + 1) / double(parts.size()));
         const GraphPose *const from = last ? &before : nullptr;
-        const GraphPose found = parts[p]->affine ? parts[p]->affine->Solve(motion, param, its, from, motionBefore)
-                                                 : parts[p]->deformer->Solve(motion, param, its, from, motionBefore);
+        const GraphPose found = parts[p]->affine ? parts[p]->affine->Solve(motion, param, share, from, motionBefore)
+                                                 : parts[p]->deformer->Solve(motion, param, share, from, motionBefore);
         for (std::size_t i = 0; i < nodes.size(); ++i) {
             pose.nodeEnergy[nodes[i]] += found.nodeEnergy[i];
             if (solved[nodes[i]])

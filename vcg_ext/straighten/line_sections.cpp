@@ -80,12 +80,12 @@ class Around {
             Eigen::Vector3d all = Eigen::Vector3d::Zero(), slope = all;
             double total = 0, first = 0, second = 0;
             for (int k = std::max(0, b - reach); k <= std::min(n - 1, b + reach); ++k) {
-                const double way = k - b, w = Exponential(-0.5 * Squared(way / sigma)), its = w * weight[k];
+                const double way = k - b, w = Exponential(-0.5 * Squared(way / sigma)), share = w * weight[k];
                 all += w * sum.col(k);
                 slope += w * way * sum.col(k);
-                total += its;
-                first += way * its;
-                second += way * way * its;
+                total += share;
+                first += way * share;
+                second += way * way * share;
             }
             const double spread = second - first * first / total;
             found.col(b) = all / total;
@@ -133,9 +133,9 @@ double ThicknessAlong(const RegionDeformer &deformer, const Eigen::Affine3d &wor
                       const Progress &progress) {
     double squares = 0, all = 0;
     ForSamples(deformer, world, line, 20000, progress,
-               [&](const LineSample &its, const FramedLine::Frame &, const Complex &across) {
-                   squares += its.weight * std::norm(across);
-                   all += its.weight;
+               [&](const LineSample &sample, const FramedLine::Frame &, const Complex &across) {
+                   squares += sample.weight * std::norm(across);
+                   all += sample.weight;
                });
     return all > 0 ? std::sqrt(squares / all) : 0;
 }
@@ -144,10 +144,10 @@ double StretchAlong(const RegionDeformer &deformer, const Eigen::Affine3d &world
                     const Progress &progress) {
     double squares = 0, all = 0;
     ForSamples(deformer, world, line, 20000, progress,
-               [&](const LineSample &its, const FramedLine::Frame &frame, const Complex &) {
-                   const double open = 1 - frame.bend.dot(its.at - frame.point);
-                   squares += its.weight * Squared(Logarithm(std::clamp(open, 1 / mostStretch, mostStretch)));
-                   all += its.weight;
+               [&](const LineSample &sample, const FramedLine::Frame &frame, const Complex &) {
+                   const double open = 1 - frame.bend.dot(sample.at - frame.point);
+                   squares += sample.weight * Squared(Logarithm(std::clamp(open, 1 / mostStretch, mostStretch)));
+                   all += sample.weight;
                });
     return all > 0 ? squares / all : 0;
 }
@@ -165,11 +165,11 @@ Eigen::Matrix3Xd MiddleOf(const RegionDeformer &deformer, const Eigen::Affine3d 
         std::vector<std::pair<std::size_t, Complex>> places;
         double thick = 0, all = 0;
         ForSamples(deformer, world, line, 200000, progress.Slice(double(round) / rounds, double(round + 1) / rounds),
-                   [&](const LineSample &its, const FramedLine::Frame &frame, const Complex &across) {
+                   [&](const LineSample &sample, const FramedLine::Frame &frame, const Complex &across) {
                        // On the outer side of a bend there is more surface for each length of the line.
                        const double w =
-                           its.weight / std::max(1 / mostStretch, 1 - frame.bend.dot(its.at - frame.point));
-                       const auto bin = std::size_t(its.s / line.Length() * double(bins));
+                           sample.weight / std::max(1 / mostStretch, 1 - frame.bend.dot(sample.at - frame.point));
+                       const auto bin = std::size_t(sample.s / line.Length() * double(bins));
                        sum[bin] += w * across;
                        weight[bin] += w;
                        places.emplace_back(bin, across);
@@ -224,20 +224,20 @@ LineMotion::TwistAt TwistOf(const RegionDeformer &deformer, const Eigen::Affine3
     std::vector<Section> section(bins);
     ForSamples(deformer, world, line, 20000, {},
                [&](const LineSample &each, const FramedLine::Frame &, const Complex &z) {
-                   Section &its = section[std::size_t(each.s / line.Length() * double(bins))];
-                   its.weight += each.weight;
-                   its.sum += each.weight * z;
-                   its.square += each.weight * z * z;
-                   its.round += each.weight * std::norm(z);
+                   Section &sums = section[std::size_t(each.s / line.Length() * double(bins))];
+                   sums.weight += each.weight;
+                   sums.sum += each.weight * z;
+                   sums.square += each.weight * z * z;
+                   sums.round += each.weight * std::norm(z);
                });
     // The complex second moment has twice the angle of the longest axis; its length tells how distinct that axis is.
     std::vector<Complex> moment;
     double plain = 0, all = 0;
-    for (const Section &its : section) {
-        const Complex middle = its.weight > 0 ? its.sum / its.weight : 0;
-        moment.push_back(its.square - middle * its.sum);
+    for (const Section &sums : section) {
+        const Complex middle = sums.weight > 0 ? sums.sum / sums.weight : 0;
+        moment.push_back(sums.square - middle * sums.sum);
         plain += LengthOf(moment.back());
-        all += its.round - its.weight * std::norm(middle);
+        all += sums.round - sums.weight * std::norm(middle);
     }
     if (!(plain > 0.1 * all)) // axes of 10 : 9, as scans of round bodies have by chance
         throw BadInput(

@@ -104,12 +104,12 @@ void NearestPlace::Among(const Eigen::Vector3d &p, Hint &hint, SurfacePlace &pla
         hint.block = vertices->BlockOf(std::size_t(nearest.front().at));
         count = 0;
         for (std::size_t i = 0; i < nearest.size() && count < found.size(); ++i) {
-            const std::pair<double, Index> its(std::sqrt(nearest[i].square), vertex[std::size_t(nearest[i].point)]);
+            const std::pair<double, Index> next(std::sqrt(nearest[i].square), vertex[std::size_t(nearest[i].point)]);
             bool isRepeated = false;
-            for (std::size_t k = count; k > 0 && found[k - 1].first == its.first && !isRepeated; --k)
-                isRepeated = position.col(found[k - 1].second) == position.col(its.second);
+            for (std::size_t k = count; k > 0 && found[k - 1].first == next.first && !isRepeated; --k)
+                isRepeated = position.col(found[k - 1].second) == position.col(next.second);
             if (!isRepeated)
-                found[count++] = its;
+                found[count++] = next;
         }
         if (nearest.size() < asked)
             break; // these are all

@@ -179,9 +179,9 @@ class TriangleTree {
             if (to(k) + 1 == to(k + 1)) {
                 built[k] = {BoxOf(*to(k)), -1 - *to(k)};
             } else if (to(k) < to(k + 1)) {
-                Progress its = shared;
-                its.threads = std::max(1u, both.threads / unsigned(wide));
-                built[k] = Build(to(k), to(k + 1), begin[k], its);
+                Progress share = shared;
+                share.threads = std::max(1u, both.threads / unsigned(wide));
+                built[k] = Build(to(k), to(k + 1), begin[k], share);
             }
         });
         Node &node = nodes[at];

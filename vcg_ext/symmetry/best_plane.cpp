@@ -35,7 +35,7 @@ struct WarpedPlane {
 std::vector<WarpedPlane> WarpInEach(const std::vector<MirrorPlane> &planes, const WarpGoalIn &goalIn,
                                     std::size_t points, int degree, const Progress &progress) {
     std::vector<WarpedPlane> all(planes.size());
-    ParallelTasks(progress, "Looking for the plane", planes.size(), [&](std::size_t i, const Progress &its) {
+    ParallelTasks(progress, "Looking for the plane", planes.size(), [&](std::size_t i, const Progress &share) {
         WarpGoal goal = goalIn(planes[i]);
         goal.place = Some(goal.place, points);
         goal.normal = Some(goal.normal, points);
@@ -43,7 +43,7 @@ std::vector<WarpedPlane> WarpInEach(const std::vector<MirrorPlane> &planes, cons
         goal.degree = degree;
         goal.rest = roughRest;
         WarpReport fit;
-        const SmoothWarp warp = FitWarp(goal, its, &fit);
+        const SmoothWarp warp = FitWarp(goal, share, &fit);
         all[i].plane = planes[i];
         all[i].misfit = fit.misfit;
         for (const Eigen::Vector3d &place : goal.place)

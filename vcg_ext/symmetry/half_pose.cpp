@@ -60,10 +60,10 @@ GraphPose HalfPose(const DeformationGraph &graph, const GraphPose &full) {
     Eigen::Matrix3Xd shift = Eigen::Matrix3Xd::Zero(3, parts);
     std::vector<double> area(std::size_t(parts), 0);
     for (Index j = 0; j < n; ++j) {
-        const double its = graph.area.empty() ? 1 : graph.area[j];
+        const double weight = graph.area.empty() ? 1 : graph.area[j];
         const auto p = std::size_t(part[j]);
-        shift.col(Eigen::Index(p)) += its * (0.5 * (rest.col(j) + full.position.col(j)) - half.position.col(j));
-        area[p] += its;
+        shift.col(Eigen::Index(p)) += weight * (0.5 * (rest.col(j) + full.position.col(j)) - half.position.col(j));
+        area[p] += weight;
     }
     for (Index j = 0; j < n; ++j) {
         const Index p = part[j];

@@ -163,9 +163,10 @@ TriedPlanes FindPlanes(const std::vector<Eigen::Vector3d> &points, const std::ve
         if (isApart || found.standOut)
             best.push_back(each);
     }
-    ParallelTasks(
-        progress.Slice(0.3, 1), "Looking for the plane", best.size(),
-        [&](std::size_t i, const Progress &its) { best[i] = AtRest(best[i].plane, someOf, normalOf, surface, its); });
+    ParallelTasks(progress.Slice(0.3, 1), "Looking for the plane", best.size(),
+                  [&](std::size_t i, const Progress &share) {
+                      best[i] = AtRest(best[i].plane, someOf, normalOf, surface, share);
+                  });
     std::stable_sort(best.begin(), best.end(), isBetter);
     const std::size_t least = best[0].misfit > asGood ? tried : 1;
     std::vector<Candidate> kept; // several starts may come to rest in one plane

@@ -97,9 +97,9 @@ void Maker::findExtents(const BendTags &made) {
         for (const auto &[other, vertices] : handles) {
             if (other == tag)
                 continue;
-            const auto its = all.extents.find(other);
-            const bool isNearTip = its != all.extents.end() && !its->second->beyond.empty() &&
-                                   its->second->beyond.size() < own->beyond.size() && lies(its->second->beyond);
+            const auto extent = all.extents.find(other);
+            const bool isNearTip = extent != all.extents.end() && !extent->second->beyond.empty() &&
+                                   extent->second->beyond.size() < own->beyond.size() && lies(extent->second->beyond);
             if (isNearTip || lies(vertices))
                 all.beyond[tag].push_back(other);
         }
@@ -222,9 +222,9 @@ void Maker::holdGrip(BendTags &made, int tag, double radius) {
     for (std::size_t k = 0; k < own.around.size(); ++k) // so the strip that bends is as wide on all sides of a limb
         isIn[own.around[k]] = isIn[own.around[k]] || own.share[k] == 1;
     for (const int other : all.beyond[tag])
-        if (const auto its = all.extents.find(other); its != all.extents.end()) {
-            set(its->second->around, false);
-            set(its->second->beyond, false);
+        if (const auto extent = all.extents.find(other); extent != all.extents.end()) {
+            set(extent->second->around, false);
+            set(extent->second->beyond, false);
         }
     set(own.core, true);
     const double gap = gapOfRadius * radius;

@@ -207,11 +207,11 @@ void BendSession::keepState() {
 }
 
 bool BendSession::goOn() {
-    const std::shared_ptr<const ToolState> its = toolOf(layer);
-    if (!its)
+    const std::shared_ptr<const ToolState> tool = toolOf(layer);
+    if (!tool)
         return false;
     const std::vector<std::size_t> live = liveSlots(layer.cm);
-    auto [known, options] = readBendText(its->text, layer.label().toStdString(), live, layer.cm.vert.size());
+    auto [known, options] = readBendText(tool->text, layer.label().toStdString(), live, layer.cm.vert.size());
     if (auto poses = posesOf(layer))
         known.poses = std::make_shared<const vcg::fcd::PoseSequence>(std::move(*poses));
     const bool hasWeights = known.weights.empty() || (known.poses && known.weights.size() == known.poses->pose.size());
@@ -221,12 +221,12 @@ bool BendSession::goOn() {
         throw vcg::fcd::Error(
             "The handles that the layer '" + layer.label().toStdString() +
             "' keeps do not fit its marks, or its poses: bends begin from the shape that it has now.");
-    if (its->isPosed)
+    if (tool->isPosed)
         rest.keepPosed([this] { keepRest(); });
     data.state = std::move(known);
     data.options = options;
     takeState();
-    isLeft = its->isPosed;
+    isLeft = tool->isPosed;
     return true;
 }
 

@@ -49,10 +49,10 @@ std::string FitSession::goOn(const FitSession *before) {
     const FitToolState told = fit ? *fit : FitToolState();
     targetName = told.target;
     const std::string wrong = takeTold(told);
-    if (const FitShape its = fitShownBy(layer); its != FitShape::Rest) {
+    if (const FitShape left = fitShownBy(layer); left != FitShape::Rest) {
         rest.keepPosed([this] { keepRest(); });
         change();
-        now.shape = shown = its;
+        now.shape = shown = left;
         isLeft = true;
     }
     return wrong;
@@ -95,8 +95,8 @@ void FitSession::keep(const MeshModel *target) {
         return;
     if (isTold)
         LayerState::made(document, layer).fit = kept = std::make_shared<const FitToolState>(std::move(next));
-    else if (LayerState *its = LayerState::of(layer))
-        its->fit = kept = nullptr;
+    else if (LayerState *state = LayerState::of(layer))
+        state->fit = kept = nullptr;
 }
 
 Eigen::Vector3d FitSession::positionOf(std::size_t slot) const {

@@ -104,8 +104,8 @@ std::string FitSession::applyToNewLayer(const MeshModel &target, bool graphLayer
 /// The weights of the layer, then those of the target. They may depend on quality or selection.
 FitWeights FitSession::weightsFor(const MeshModel &target) const {
     FitWeights all = weightsOf(layer);
-    const FitWeights its = weightsOf(target);
-    all.insert(all.end(), its.begin(), its.end());
+    const FitWeights targets = weightsOf(target);
+    all.insert(all.end(), targets.begin(), targets.end());
     return all;
 }
 
@@ -121,10 +121,10 @@ bool FitSession::hasPulledWeights(const MeshModel &target) const {
 void FitSession::showPainted(const FitState &from) {
     for (const auto &[number, weights] : now.painted) {
         const auto before = from.painted.find(number);
-        MeshModel *its = document.getMesh(number);
-        if (its && (before == from.painted.end() || before->second != weights) &&
-            (weights->empty() || weights->size() == its->cm.vert.size()))
-            paintWeights(*its, *weights);
+        MeshModel *model = document.getMesh(number);
+        if (model && (before == from.painted.end() || before->second != weights) &&
+            (weights->empty() || weights->size() == model->cm.vert.size()))
+            paintWeights(*model, *weights);
     }
 }
 
