@@ -16,8 +16,8 @@ using vcg::fcd::Error;
 using vcg::fcd::Progress;
 
 /// "3 steps, ", where there are several.
-static std::string inSteps(const vcg::fcd::PoseWay &way) {
-    return way.steps > 1 ? std::to_string(way.steps) + " steps, " : std::string();
+static std::string inSteps(const vcg::fcd::PosePath &path) {
+    return path.steps > 1 ? std::to_string(path.steps) + " steps, " : std::string();
 }
 
 HostFilterPlugin::ReturnedValues FilterFcd::buildGraph(const RichParameterList &parameters, MeshDocument &document,
@@ -62,7 +62,7 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
 
     logLine(describe(result.surface));
     std::ostringstream line;
-    line << describe(result.tags) << "; " << result.rest.position.cols() << " nodes, " << inSteps(result.pose.way)
+    line << describe(result.tags) << "; " << result.rest.position.cols() << " nodes, " << inSteps(result.pose.path)
          << result.iterations << " iterations; " << result.secondsGraph << " s for the graph, " << result.secondsSolve
          << " s to bend it, " << result.secondsMap << " s for the mesh.";
     logLine(line.str());
@@ -70,10 +70,10 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
         logLine(remark);
     warn(describe(result.check, result.surface));
     warn(warningsOf(result.contact));
-    warnOf(result.pose.way, result.converged, result.discretisationError);
+    warnOf(result.pose.path, result.converged, result.discretisationError);
     ReturnedValues values = valuesOf(result);
     values.merge(valuesOf(result.tags));
-    values.merge(valuesOf(result.pose.way));
+    values.merge(valuesOf(result.pose.path));
     values.insert({{"loose_parts", result.looseParts},
                    {"pose_percent", made.percent},
                    {"strained_edges", result.check.strained},
@@ -91,16 +91,16 @@ HostFilterPlugin::ReturnedValues FilterFcd::pose(const RichParameterList &parame
     const auto param = read<PoseParam>(parameters, document);
     const PoseResult result = LayerDeformer(document, layer, preparedLayers, toLog()).pose(param, progress);
     std::ostringstream line;
-    line << describe(result.tags) << "; " << result.nodes << " nodes, " << inSteps(result.way) << result.iterations
+    line << describe(result.tags) << "; " << result.nodes << " nodes, " << inSteps(result.path) << result.iterations
          << " iterations; " << (result.prepared ? "prepared in " : "already prepared, found in ")
          << (result.prepared ? result.secondsPrepare : result.secondsFind) << " s, " << result.secondsSolve
          << " s to bend the graph, " << result.secondsMap + result.secondsNormals << " s for the mesh.";
     logLine(line.str());
     warn(warningsOf(result.contact));
-    warnOf(result.way, result.converged, result.discretisationError);
+    warnOf(result.path, result.converged, result.discretisationError);
     ReturnedValues values = valuesOf(result.tags);
     values.merge(valuesOf(result.contact));
-    values.merge(valuesOf(result.way));
+    values.merge(valuesOf(result.path));
     values.insert({{"nodes", result.nodes},
                    {"iterations", result.iterations},
                    {"converged", result.converged},
@@ -136,12 +136,12 @@ HostFilterPlugin::ReturnedValues FilterFcd::copy(const RichParameterList &parame
     return {{"layers", int(targets.size())}, {"vertices", made.vertices}};
 }
 
-void FilterFcd::warnOf(const vcg::fcd::PoseWay &way, bool converged, double discretisationError) const {
-    if (way.jumps)
+void FilterFcd::warnOf(const vcg::fcd::PosePath &path, bool converged, double discretisationError) const {
+    if (path.jumps)
         logLine("The shape jumps to another one on its way: the handles twist or press it too far. Move them less" +
                     std::string(host::scriptsMayLackParameters ? "." : ", or raise pose_steps."),
                 GLLogStream::WARNING);
-    if (way.unstable)
+    if (path.unstable)
         logLine("The shape would buckle: the handles press or twist it too far. To let it bow, mark a handle in its "
                 "middle and pull that to the side that you want.",
                 GLLogStream::WARNING);

@@ -77,7 +77,7 @@ class FilterFcd : public HostFilterPlugin {
             logLine(warning, GLLogStream::WARNING);
     }
     ReturnedValues report(const vcg::fcd::TagCount &tags) const;
-    void warnOf(const vcg::fcd::PoseWay &way, bool converged, double discretisationError) const;
+    void warnOf(const vcg::fcd::PosePath &path, bool converged, double discretisationError) const;
     Remark toLog() const {
         return [this](const std::string &line) { logLine(line); };
     }

@@ -68,8 +68,8 @@ static std::string describeFlipped(vcg::fcd::Index count) {
            "between them.";
 }
 
-HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::PoseWay &way) {
-    return {{"steps", way.steps}, {"jumps", way.jumps}, {"stable", !way.unstable}};
+HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::PosePath &path) {
+    return {{"steps", path.steps}, {"jumps", path.jumps}, {"stable", !path.unstable}};
 }
 
 std::vector<std::string> describe(const DeformedLayers &made, const DeformMeshParam &param) {
@@ -186,8 +186,8 @@ HostFilterPlugin::ReturnedValues valuesOf(const SymmetrizedLayers &made) {
             {"plane_is_sure", report.isSure},
             {"rms_before", made.before},
             {"rms_after", made.after},
-            {"asymmetry", report.way},
-            {"asymmetry_most", report.wayMost},
+            {"asymmetry", report.asymmetry},
+            {"asymmetry_most", report.asymmetryMost},
             {"moved", report.moved},
             {"moved_most", report.movedMost},
             {"matched", report.fit.matched},

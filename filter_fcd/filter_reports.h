@@ -33,7 +33,7 @@ std::string describe(const MeshModel &layer, const TagTarget &target);
 /// Loose parts, and the use of a given graph.
 std::vector<std::string> describe(const DeformedLayers &made, const DeformMeshParam &param);
 
-HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::PoseWay &way);
+HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::PosePath &path);
 
 /// An error, as in Deformer::DiscretisationError, for scripts, which get finite values only: -1 if it is unknown.
 double valueOfDiscretisation(double error);

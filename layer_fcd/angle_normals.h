@@ -114,11 +114,11 @@ void computeAngleNormals(MeshType &mesh, unsigned threads) {
                 vcg::fcd::Prefetch(mesh.face[std::min(f + 16, last - 1)].cV(k));
             if (face.IsD())
                 continue;
-            const auto way = [&](int k) {
+            const auto direction = [&](int k) {
                 Point edge = face.cP((k + 1) % 3) - face.cP(k);
                 return edge.Normalize();
             };
-            const Point e0 = way(0), e1 = way(1), e2 = way(2);
+            const Point e0 = direction(0), e1 = direction(1), e2 = direction(2);
             face.N() = vcg::TriangleNormal(face).Normalize();
             angleOf(f)[0] = vcg::AngleN(e0, -e2);
             angleOf(f)[1] = vcg::AngleN(-e0, e1);

@@ -85,10 +85,10 @@ MeshModel &NewLayers::addGraphSurface(const QString &what, const vcg::fcd::Graph
             }
     };
     for (const auto &ends : graph.edge) {
-        const Eigen::Vector3d from = graph.position.col(ends[0]), way = graph.position.col(ends[1]) - from;
-        const double length = way.norm();
+        const Eigen::Vector3d from = graph.position.col(ends[0]), offset = graph.position.col(ends[1]) - from;
+        const double length = offset.norm();
         addRings(
-            from, length > 0 ? Eigen::Vector3d(way / length) : Eigen::Vector3d::UnitZ(), 2,
+            from, length > 0 ? Eigen::Vector3d(offset / length) : Eigen::Vector3d::UnitZ(), 2,
             [&](int r) { return std::pair<double, double>(r * length, tube * radius); }, vcg::Color4b(60, 60, 60, 255));
     }
     const std::vector<vcg::Color4b> ofNode = colorsOf(graph);

@@ -236,21 +236,22 @@ CompensatedLayers compensateLayer(MeshDocument &document, MeshModel &layer, cons
     const vcg::fcd::NormalOf normal = [&](std::size_t i) {
         return Eigen::Vector3d(turned * toVector(target.normal[i]));
     };
-    const vcg::fcd::Compensation way(view.With(at), targetView.With(targetAt), normal, param.compensation,
-                                     progress.Slice(0.04, 0.95));
+    const vcg::fcd::Compensation compensation(view.With(at), targetView.With(targetAt), normal, param.compensation,
+                                              progress.Slice(0.04, 0.95));
 
     CompensatedLayers made;
-    made.report = way.report;
+    made.report = compensation.report;
     Eigen::Matrix3Xd position = view.Copy();
     std::vector<Eigen::Matrix3f> linear(nominal.hasDirections ? view.vertexSlots : 0);
     std::vector<float> quality(param.quality == CompensateLayerParam::Change ? view.vertexSlots : 0);
     const Eigen::Affine3d back = world.inverse();
     ParallelFor(0, view.vertexSlots, 1 << 10, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
-            const Eigen::Vector3d from = at.col(Eigen::Index(i)), to = way.position.col(Eigen::Index(i));
+            const Eigen::Vector3d from = at.col(Eigen::Index(i)), to = compensation.position.col(Eigen::Index(i));
             if (!linear.empty()) // vertices outside of the part stay
-                linear[i] = to == from ? Eigen::Matrix3f::Identity().eval()
-                                       : (back.linear() * way.LinearAt(to) * world.linear()).cast<float>().eval();
+                linear[i] = to == from
+                                ? Eigen::Matrix3f::Identity().eval()
+                                : (back.linear() * compensation.LinearAt(to) * world.linear()).cast<float>().eval();
             if (to != from)
                 position.col(Eigen::Index(i)) = back * to;
             if (!quality.empty())

@@ -196,7 +196,7 @@ PoseResult LayerDeformer::pose(const PoseParam &param, const Progress &progress)
     result.iterations = pose.iterations;
     result.converged = pose.converged;
     result.discretisationError = found->deformer->DiscretisationError(pose, param.deformation);
-    result.way = pose.way;
+    result.path = pose.path;
     result.secondsSolve = watch.Seconds();
 
     progress(1, "Done"); // the rest cannot be cancelled

@@ -27,7 +27,7 @@ struct PoseResult {
     int nodes = 0, iterations = 0;
     bool converged = false;
     double discretisationError = 0; ///< as in Deformer::DiscretisationError
-    vcg::fcd::PoseWay way;
+    vcg::fcd::PosePath path;
     vcg::fcd::TagCount tags;
     vcg::fcd::SurfaceContact contact; ///< if it was asked for
     bool prepared = false;            ///< the deformer was prepared anew

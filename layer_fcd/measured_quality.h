@@ -8,7 +8,8 @@
 /// A quality that a filter here has measured (a distance, what is matched, patches) is no tags, even if its numbers are
 /// whole. Vertices that are left, and copies, are known by their quality and place.
 
-/// Remembers the quality of \p layer as measured, or as the tags that the layer has as a result of a tagged one.
+/// Remembers that a filter here has measured the quality of \p layer. \param areTags instead, that its quality is the
+/// tags of the layer that it is a result of
 void keepMeasured(const MeshDocument &document, MeshModel &layer, bool areTags = false);
 
 /// Whether a filter here has measured the quality of \p layer: vertices since then may be new, or gone, but no other

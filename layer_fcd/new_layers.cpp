@@ -198,9 +198,9 @@ void NewLayers::addDisplacement(MeshModel &layer, const Eigen::Matrix3Xd &positi
     const std::string name = "fcd_displacement";
     if (vcg::tri::HasPerVertexAttribute(layer.cm, name)) // perhaps of another type
         Allocator::DeletePerVertexAttribute(layer.cm, name);
-    auto way = Allocator::AddPerVertexAttribute<Point3m>(layer.cm, name);
+    auto vector = Allocator::AddPerVertexAttribute<Point3m>(layer.cm, name);
     Packing(base.cm.vert, base.cm.vn).forEach([&](std::size_t i, std::size_t j) {
-        way[j] = toPoint(position.col(Eigen::Index(i)) - toVector(base.cm.vert[i].cP()));
+        vector[j] = toPoint(position.col(Eigen::Index(i)) - toVector(base.cm.vert[i].cP()));
     });
 }
 

@@ -22,7 +22,7 @@ Compensating::Compensating(const Rows &vertices, const std::optional<Corners> &f
         const vcg::fcd::SurfaceView nominal = viewOf(vertices, faces), target = viewOf(scan, scanFaces);
         nominal.Validate();
         target.Validate();
-        way = std::make_unique<const vcg::fcd::Compensation>(nominal, target, normal, param, progress);
+        compensation = std::make_unique<const vcg::fcd::Compensation>(nominal, target, normal, param, progress);
     });
 }
 
@@ -31,18 +31,18 @@ Compensating::Compensating(const nb::bytes &state) {
     auto read = std::make_unique<vcg::fcd::Compensation>();
     reader(threads, *read);
     reader.ExpectEnd();
-    way = std::move(read);
+    compensation = std::move(read);
 }
 
 nb::bytes Compensating::state() const {
     StateWriter writer(compensationState);
-    writer(threads, *way);
+    writer(threads, *compensation);
     const std::string all = std::move(writer).Sealed();
     return nb::bytes(all.data(), all.size());
 }
 
 nb::dict Compensating::told() const {
-    const vcg::fcd::CompensateReport &found = way->report;
+    const vcg::fcd::CompensateReport &found = compensation->report;
     nb::dict all;
     all["before"] = found.before;
     all["left"] = found.left;
@@ -55,8 +55,8 @@ nb::dict Compensating::told() const {
 
 nb::object Compensating::made() const {
     double *to;
-    nb::object rows = newArray({std::size_t(way->position.cols()), 3}, to);
-    std::copy_n(way->position.data(), way->position.size(), to);
+    nb::object rows = newArray({std::size_t(compensation->position.cols()), 3}, to);
+    std::copy_n(compensation->position.data(), compensation->position.size(), to);
     return rows;
 }
 
@@ -67,7 +67,7 @@ nb::object Compensating::apply(const Rows &points, bool predicted, const nb::obj
         ParallelFor(progress, "Compensating", points.shape(0), 1 << 10, [&](std::size_t first, std::size_t last) {
             for (std::size_t i = first; i < last; ++i) {
                 const Eigen::Vector3d p = rowOf(points.data(), i);
-                rowOf(to, i) = predicted ? way->Predicted(p) : (*way)(p);
+                rowOf(to, i) = predicted ? compensation->Predicted(p) : (*compensation)(p);
             }
         });
     });

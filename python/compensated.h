@@ -24,14 +24,14 @@ class Compensating {
 
     nb::bytes state() const; ///< for pickles, without made()
     nb::dict told() const;
-    std::vector<std::string> warnings() const { return way->report.Warnings(); }
+    std::vector<std::string> warnings() const { return compensation->report.Warnings(); }
     nb::object made() const; ///< the part to make, n x 3
     /// Points of the part to make, for nominal \p points; or, if \p predicted, of the part that would come out.
     nb::object apply(const Rows &points, bool predicted, const nb::object &report) const;
 
   private:
     unsigned threads = 0;
-    std::unique_ptr<const vcg::fcd::Compensation> way;
+    std::unique_ptr<const vcg::fcd::Compensation> compensation;
 };
 
 #endif

@@ -28,18 +28,18 @@ void fieldsOf(vcg::fcd::GraphPose &pose, const Take &take) {
 }
 template <class Take>
 void fieldsOf(vcg::fcd::RegionPose &pose, const Take &take) {
-    take(pose.given, pose.solved, pose.graph, pose.nodeMotion, pose.motion, pose.iterations, pose.way.steps,
-         pose.way.jumps, pose.way.unstable);
+    take(pose.given, pose.solved, pose.graph, pose.nodeMotion, pose.motion, pose.iterations, pose.path.steps,
+         pose.path.jumps, pose.path.unstable);
 }
 template <class Take>
 void fieldsOf(vcg::fcd::SurfacePose &pose, const Take &take) {
-    take(pose.given, pose.region, pose.iterations, pose.way.steps, pose.way.jumps, pose.way.unstable, pose.converged,
+    take(pose.given, pose.region, pose.iterations, pose.path.steps, pose.path.jumps, pose.path.unstable, pose.converged,
          pose.energy);
 }
 
 template <class Take>
-void fieldsOf(vcg::fcd::Compensation &way, const Take &take) {
-    way.Fields(take);
+void fieldsOf(vcg::fcd::Compensation &compensation, const Take &take) {
+    compensation.Fields(take);
 }
 
 /// A kind of state.

@@ -85,8 +85,8 @@ nb::tuple Fitting::symmetrize(const nb::dict &given, const std::optional<Rows> &
     all["is_sure"] = found.isSure;
     all["before"] = before;
     all["after"] = after;
-    all["asymmetry"] = found.way;
-    all["asymmetry_most"] = found.wayMost;
+    all["asymmetry"] = found.asymmetry;
+    all["asymmetry_most"] = found.asymmetryMost;
     all["moved"] = found.moved;
     all["moved_most"] = found.movedMost;
     all["matched"] = found.fit.matched;

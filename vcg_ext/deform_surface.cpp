@@ -71,9 +71,9 @@ void ShowGraph(const NormalOf &normal, const MovingRegion &region, const RegionP
     GraphGeometry deformed = rest;
     for (Index j = 0; j < graph.Size(); ++j) {
         const Eigen::Vector3d middle = surface.graph.position.col(region.patches.center[j]).cast<double>(),
-                              way = middle - graph.graph.position.col(j).cast<double>();
+                              offset = middle - graph.graph.position.col(j).cast<double>();
         deformed.position.col(j) =
-            surface.frame.FromFrame(Eigen::Vector3d(pose.graph.position.col(j) + pose.graph.linear[j] * way));
+            surface.frame.FromFrame(Eigen::Vector3d(pose.graph.position.col(j) + pose.graph.linear[j] * offset));
         const Eigen::Matrix3d map =
             graph.IsHeld(j) ? Eigen::Matrix3d(pose.nodeMotion[j].linear()) : pose.graph.linear[j];
         deformed.normal.col(j) = Cofactors(map) * rest.normal.col(j);

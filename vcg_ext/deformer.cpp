@@ -67,9 +67,9 @@ SurfacePose Deformer::SumOf(HeldMotions given, std::vector<RegionPose> poses) co
         pose.iterations = std::max(pose.iterations, each.iterations);
         pose.converged = pose.converged && each.graph.converged;
         pose.energy += each.graph.energy * scale * scale;
-        pose.way.steps = std::max(pose.way.steps, each.way.steps);
-        pose.way.jumps = pose.way.jumps || each.way.jumps;
-        pose.way.unstable = pose.way.unstable || each.way.unstable;
+        pose.path.steps = std::max(pose.path.steps, each.path.steps);
+        pose.path.jumps = pose.path.jumps || each.path.jumps;
+        pose.path.unstable = pose.path.unstable || each.path.unstable;
     }
     pose.region = std::move(poses);
     return pose;

@@ -82,9 +82,9 @@ std::vector<Index> RegionDeformer::PartOfNodes() const {
 }
 
 HeldMotions RegionDeformer::Probe(int axis) const {
-    const double turn = double(EIGEN_PI) / 3, way = 0.1; // the turn of one step; a tenth of the diagonal
+    const double turn = double(EIGEN_PI) / 3, shift = 0.1; // the turn of one step; a tenth of the diagonal
     const Eigen::Vector3d along = Eigen::Vector3d::Unit(axis);
-    const Eigen::Affine3d move(Eigen::Translation3d(way * along));
+    const Eigen::Affine3d move(Eigen::Translation3d(shift * along));
     HeldMotions m;
     m.motion[0].setIdentity();
     for (const auto &[tag, region] : holding) {

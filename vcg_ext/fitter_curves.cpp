@@ -76,10 +76,10 @@ std::vector<AlongLine> Fitter::Along(const std::vector<std::vector<Eigen::Vector
         const double spacing =
             std::max({surface.averageEdge, length / double(slot.size()), std::numeric_limits<double>::min()});
         for (std::size_t k = 0; k + 1 < line.size() && !along.isElsewhere; ++k) {
-            const Eigen::Vector3d way = line[k + 1] - line[k];
-            const auto parts = std::size_t(std::ceil((toFrame.linear() * way).norm() / spacing));
+            const Eigen::Vector3d offset = line[k + 1] - line[k];
+            const auto parts = std::size_t(std::ceil((toFrame.linear() * offset).norm() / spacing));
             for (std::size_t part = 1; part < parts; ++part)
-                add(line[k] + double(part) / double(parts) * way, k);
+                add(line[k] + double(part) / double(parts) * offset, k);
         }
         along.isElsewhere = !(along.farthest <= most);
         along.farthest *= surface.frame.scale;

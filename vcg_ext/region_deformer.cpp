@@ -181,12 +181,12 @@ RegionPose RegionDeformer::SolveAlong(const Path &path, const SolverParam &solve
     }
     Pose pose;
     for (int step = 1; step <= steps; ++step) {
-        const bool isLast = step == steps, hasJumped = pose.way.jumps;
+        const bool isLast = step == steps, hasJumped = pose.path.jumps;
         Pose next = Solve(motions[std::size_t(step) - 1], isLast ? last : passing, step > 1 ? &pose : begin,
                           progress.Slice(double(step - 1) / steps, double(step) / steps));
         next.iterations += pose.iterations;
         pose = std::move(next);
-        pose.way = {steps, hasJumped || !pose.solved.followed, pose.solved.unstable};
+        pose.path = {steps, hasJumped || !pose.solved.followed, pose.solved.unstable};
     }
     if (!begin) {
         auto found = std::make_shared<KeptPose>(KeptPose{solver, std::move(motions), pose, -1});

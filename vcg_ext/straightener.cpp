@@ -259,10 +259,10 @@ Deformer::Pose Straighten(const Deformer &prepared, const Eigen::Affine3d &world
     std::vector<char> tears(std::size_t(k), 0);
     for (Index j = 0; j < k; ++j)
         for (Index i : graph.graph.adjacency[j]) {
-            const Eigen::Vector3d way = rest.col(j) - rest.col(i);
+            const Eigen::Vector3d offset = rest.col(j) - rest.col(i);
             const LineMotion::Moved &a = moved[i], &b = moved[j];
-            const Eigen::Vector3d expected = 0.5 * (a.linear + b.linear) * way;
-            tears[j] |= (b.position - a.position - expected).norm() > 0.5 * ratio * way.norm();
+            const Eigen::Vector3d expected = 0.5 * (a.linear + b.linear) * offset;
+            tears[j] |= (b.position - a.position - expected).norm() > 0.5 * ratio * offset.norm();
         }
     for (Index j = 0; j < k; ++j)
         if (tears[j])

@@ -38,7 +38,8 @@ struct SymmetryReport {
     bool isGiven = false;            ///< the plane was given
     bool isOfLandmarks = false;      ///< the plane is that of the landmarks
     bool isSure = true;              ///< false: another plane is nearly as good
-    double way = 0, wayMost = 0;     ///< distance of points from the mirror images of their counterparts: rms, largest
+    double asymmetry = 0;            ///< distance of points from the mirror images of their counterparts: rms
+    double asymmetryMost = 0;        ///< the largest one
     double moved = 0, movedMost = 0; ///< how far these points were moved: rms, largest
     double landmarks = 0; ///< largest distance of a landmark from its partner's mirror image, before PutPartners
     std::vector<std::size_t> contradicted; ///< pairs, then midline points, numbered from 0, that the others contradict

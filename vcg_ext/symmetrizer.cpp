@@ -203,15 +203,15 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
     for (Index node : sample)
         drawn.Add(region, made.fitted.region[0], node);
     for (std::size_t s = 0; s < drawn.Size(); ++s) {
-        const double way = (drawn.At(s, whole) - warped.place[s]).norm(),
+        const double far = (drawn.At(s, whole) - warped.place[s]).norm(),
                      moved = (drawn.At(s, half) - warped.place[s]).norm();
-        report.way += way * way / double(drawn.Size());
-        report.wayMost = std::max(report.wayMost, way);
+        report.asymmetry += far * far / double(drawn.Size());
+        report.asymmetryMost = std::max(report.asymmetryMost, far);
         report.moved += moved * moved / double(drawn.Size());
         report.movedMost = std::max(report.movedMost, moved);
     }
-    report.way = std::sqrt(report.way) * frame.scale;
-    report.wayMost *= frame.scale;
+    report.asymmetry = std::sqrt(report.asymmetry) * frame.scale;
+    report.asymmetryMost *= frame.scale;
     report.moved = std::sqrt(report.moved) * frame.scale;
     report.movedMost *= frame.scale;
     progress(1, "Making it symmetric");

@@ -27,8 +27,8 @@ double Camera::pixelAt(const Eigen::Vector3d &at) const {
 }
 
 double distanceToSegment(const Eigen::Vector2d &p, const Eigen::Vector2d &a, const Eigen::Vector2d &b) {
-    const Eigen::Vector2d way = b - a;
-    const double square = way.squaredNorm();
-    const double t = square > 0 ? std::min(1.0, std::max(0.0, (p - a).dot(way) / square)) : 0;
-    return (a + t * way - p).norm();
+    const Eigen::Vector2d offset = b - a;
+    const double square = offset.squaredNorm();
+    const double t = square > 0 ? std::min(1.0, std::max(0.0, (p - a).dot(offset) / square)) : 0;
+    return (a + t * offset - p).norm();
 }

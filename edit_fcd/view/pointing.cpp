@@ -105,16 +105,17 @@ Nearest nearestOf(std::size_t n, const Depth &depthOf) {
     return all;
 }
 
-/// Where a ray meets a triangle (T. Moeller and B. Trumbore 1997), in lengths of \p way; infinity if it does not, or
-/// before \p least.
-double meets(const Eigen::Vector3d &from, const Eigen::Vector3d &way, const Eigen::Vector3d corner[3], double least) {
+/// Where a ray meets a triangle (T. Moeller and B. Trumbore 1997), in lengths of \p direction; infinity if it does not,
+/// or before \p least.
+double meets(const Eigen::Vector3d &from, const Eigen::Vector3d &direction, const Eigen::Vector3d corner[3],
+             double least) {
     const double none = std::numeric_limits<double>::infinity();
-    const Eigen::Vector3d a = corner[1] - corner[0], b = corner[2] - corner[0], across = way.cross(b);
+    const Eigen::Vector3d a = corner[1] - corner[0], b = corner[2] - corner[0], across = direction.cross(b);
     const double volume = a.dot(across);
     if (volume == 0)
         return none;
     const Eigen::Vector3d off = from - corner[0], other = off.cross(a);
-    const double u = off.dot(across) / volume, v = way.dot(other) / volume, t = b.dot(other) / volume;
+    const double u = off.dot(across) / volume, v = direction.dot(other) / volume, t = b.dot(other) / volume;
     return u >= 0 && v >= 0 && u + v <= 1 && t >= least && t <= 1 ? t : none;
 }
 
@@ -140,18 +141,18 @@ std::optional<LayerHit> hitLayer(const MeshModel &layer, const Camera &seen, con
     }
     const Eigen::Affine3d toLayer = world.inverse();
     const Eigen::Vector3d from = toLayer * seen.toWorld({window[0], window[1], 0}),
-                          way = toLayer * seen.toWorld({window[0], window[1], 1}) - from;
+                          direction = toLayer * seen.toWorld({window[0], window[1], 1}) - from;
     const Nearest hit = nearestOf(mesh.face.size(), [&](std::size_t f) {
         const CFaceO &face = mesh.face[f];
         if (face.IsD())
             return none;
         const Eigen::Vector3d corner[3] = {toVector(face.cP(0)), toVector(face.cP(1)), toVector(face.cP(2))};
-        return meets(from, way, corner, behind);
+        return meets(from, direction, corner, behind);
     });
     if (!hit.isFound())
         return {};
     const CFaceO &face = mesh.face[hit.element];
-    const Eigen::Vector3d place = from + hit.depth * way, origin = toVector(face.cP(0)),
+    const Eigen::Vector3d place = from + hit.depth * direction, origin = toVector(face.cP(0)),
                           a = toVector(face.cP(1)) - origin, b = toVector(face.cP(2)) - origin, normal = a.cross(b);
     LayerHit found;
     found.place = world * place;

@@ -46,8 +46,8 @@ TEST(Following, ATurnIsWhatIsTold) {
     for (double degrees : {-190.0, 170.0, 190.0, 330.0, 360.0, 400.0}) {
         const DeformationResult r = rig("2: rotate 0 0 1 " + detail::ToText(degrees));
         EXPECT_TRUE(r.converged) << degrees;
-        EXPECT_EQ(r.pose.way.steps, int(std::ceil(std::abs(degrees) / 60))) << degrees;
-        EXPECT_FALSE(r.pose.way.jumps) << degrees;
+        EXPECT_EQ(r.pose.path.steps, int(std::ceil(std::abs(degrees) / 60))) << degrees;
+        EXPECT_FALSE(r.pose.path.jumps) << degrees;
         EXPECT_LE(std::abs(std::remainder(TurnOfMiddle(rig, r.position) - degrees / 2, 360)), 10) << degrees;
     }
 }
@@ -58,8 +58,8 @@ TEST(Following, FullTurnsAreNoExceptions) {
     for (double degrees : {719.0, 720.0, 721.0}) {
         const DeformationResult r = rig("2: rotate 0 0 1 " + detail::ToText(degrees));
         EXPECT_TRUE(r.converged) << degrees;
-        EXPECT_FALSE(r.pose.way.jumps) << degrees;
-        EXPECT_TRUE(r.pose.way.unstable) << "so slender a tube would let go";
+        EXPECT_FALSE(r.pose.path.jumps) << degrees;
+        EXPECT_TRUE(r.pose.path.unstable) << "so slender a tube would let go";
         energy.push_back(r.energy);
     }
     EXPECT_NEAR(energy[0], energy[1], 0.01 * energy[1]);
@@ -90,15 +90,15 @@ TEST(Following, OneStepWhereItDoes) {
     // Handles with equal turns, and nothing fixed: no turn between them.
     for (int &tag : rig.tube.handles.tag)
         tag = tag == 0 ? 3 : tag;
-    EXPECT_EQ(rig("2: rotate 0 1 0 200 about 0 0 0; 3: rotate 0 1 0 200 about 0 0 0").pose.way.steps, 1);
-    EXPECT_EQ(rig("2: rotate 0 1 0 100 about 0 0 0; 3: rotate 0 1 0 -100 about 0 0 0").pose.way.steps, 4);
+    EXPECT_EQ(rig("2: rotate 0 1 0 200 about 0 0 0; 3: rotate 0 1 0 200 about 0 0 0").pose.path.steps, 1);
+    EXPECT_EQ(rig("2: rotate 0 1 0 100 about 0 0 0; 3: rotate 0 1 0 -100 about 0 0 0").pose.path.steps, 4);
 }
 
 TEST(Following, SaysWhereTheShapeJumps) {
     // Pulled through the fixed end, the surface must turn inside out somewhere.
     Followed rig;
     const DeformationResult r = rig("2: translate 0 0 -25", 100, 4);
-    EXPECT_TRUE(r.pose.way.jumps);
+    EXPECT_TRUE(r.pose.path.jumps);
 }
 
 TEST(GraphHessian, IsTheDerivativeOfTheEnergy) {

@@ -143,9 +143,9 @@ class FieldSampler {
                 continue;
             found[piece].all.push_back(Index(i));
             const Index center = patches.center[patch];
-            const Eigen::Vector3f way = surface.graph.position.col(node) - surface.graph.position.col(center);
+            const Eigen::Vector3f offset = surface.graph.position.col(node) - surface.graph.position.col(center);
             const std::size_t octant =
-                octants * patch + std::size_t(way[0] > 0) + (way[1] > 0 ? 2 : 0) + (way[2] > 0 ? 4 : 0);
+                octants * patch + std::size_t(offset[0] > 0) + (offset[1] > 0 ? 2 : 0) + (offset[2] > 0 ? 4 : 0);
             Index &worst = PieceOf(center) == piece ? farthest[octant]
                                                     : across.emplace(std::make_pair(piece, octant), -1).first->second;
             if (worst < 0 || error[i] > error[worst])

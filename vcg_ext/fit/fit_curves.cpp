@@ -36,14 +36,14 @@ void LookAt(const std::vector<Eigen::Vector3d> &line, std::size_t begin, std::si
             double &least, Foot &best) {
     const bool isClosed = line.front() == line.back();
     for (std::size_t k = begin; k < end; ++k) {
-        const Eigen::Vector3d way = line[k + 1] - line[k];
-        const double square = way.squaredNorm(), at = square > 0 ? way.dot(x - line[k]) / square : 0,
+        const Eigen::Vector3d offset = line[k + 1] - line[k];
+        const double square = offset.squaredNorm(), at = square > 0 ? offset.dot(x - line[k]) / square : 0,
                      t = std::clamp(at, 0.0, 1.0);
-        const Eigen::Vector3d place = line[k] + t * way;
+        const Eigen::Vector3d place = line[k] + t * offset;
         if (const double far = (x - place).squaredNorm(); far < least) {
             least = far;
             const bool isBeyond = !isClosed && ((k == 0 && at < 0) || (k + 2 == line.size() && at > 1));
-            best = {place, isBeyond || square == 0 ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(way.normalized())};
+            best = {place, isBeyond || square == 0 ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(offset.normalized())};
         }
     }
 }

@@ -38,9 +38,9 @@ class Structure {
             for (Index j : node) {
                 if (i == j)
                     continue;
-                const Eigen::Vector3d way = rest(j) - rest(i);
-                const std::size_t bin = std::min(bins - 1, std::size_t(double(bins) * way.norm() / farthest));
-                sum[bin] += (pose.linear[i] * way + pose.position.col(i) - pose.position.col(j)).squaredNorm();
+                const Eigen::Vector3d offset = rest(j) - rest(i);
+                const std::size_t bin = std::min(bins - 1, std::size_t(double(bins) * offset.norm() / farthest));
+                sum[bin] += (pose.linear[i] * offset + pose.position.col(i) - pose.position.col(j)).squaredNorm();
                 ++count[bin];
             }
         for (std::size_t bin = 0; bin < bins; ++bin)

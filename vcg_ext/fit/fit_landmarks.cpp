@@ -19,20 +19,20 @@ constexpr std::size_t mostDense = 1 << 20;
 Eigen::MatrixXd LeastMoves(const Eigen::SparseMatrix<double> &weight, const Eigen::MatrixXd &off,
                            const Progress &progress) {
     Eigen::MatrixXd move = Eigen::MatrixXd::Zero(weight.cols(), off.cols()), left = off,
-                    way = weight.transpose() * left;
-    Eigen::RowVectorXd square = way.colwise().squaredNorm();
+                    direction = weight.transpose() * left;
+    Eigen::RowVectorXd square = direction.colwise().squaredNorm();
     const Eigen::RowVectorXd enough = 1e-24 * square; // a relative 1e-12 of the gradient: rounding
     const auto over = [](double a, double b) { return b > 0 ? a / b : 0; };
     const int most = 300; // weights of blends take 50 to 100
     for (int step = 0; step < most && (square.array() > enough.array()).any(); ++step) {
         progress(0, "Fitting");
-        const Eigen::MatrixXd there = weight * way;
+        const Eigen::MatrixXd there = weight * direction;
         const Eigen::RowVectorXd length = square.binaryExpr(there.colwise().squaredNorm(), over);
-        move += way * length.asDiagonal();
+        move += direction * length.asDiagonal();
         left -= there * length.asDiagonal();
         const Eigen::MatrixXd gradient = weight.transpose() * left;
         const Eigen::RowVectorXd next = gradient.colwise().squaredNorm();
-        way = gradient + way * Eigen::RowVectorXd(next.binaryExpr(square, over)).asDiagonal();
+        direction = gradient + direction * Eigen::RowVectorXd(next.binaryExpr(square, over)).asDiagonal();
         square = next;
     }
     return move;
@@ -61,10 +61,10 @@ FitSystem::Pull LandmarkPull(double tolerance, const Eigen::Vector3d &place, con
     if (tolerance > 0) {
         // Hessian of the distance from the ball, which is curved: along the ball, its distance from the ball over that
         // from the target. Without it, landmarks outside would move far along the ball in each step.
-        const Eigen::Vector3d to = x - place, way = off.stableNormalized();
+        const Eigen::Vector3d to = x - place, direction = off.stableNormalized();
         const double far = to.norm(), along = far > 0 ? off.norm() / far : 0;
         pull.form *= within / weight + along;
-        pull.form += weight * (1 - along) * way * way.transpose();
+        pull.form += weight * (1 - along) * direction * direction.transpose();
         pull.gradient += within * to;
     }
     return pull;

@@ -216,8 +216,8 @@ void FitSystem::AddEdges(Index row, const GraphPose &pose, const std::vector<dou
     Eigen::Matrix<double, 9, 9> across = Eigen::Matrix<double, 9, 9>::Identity();
     for (int d = 0; d < 3; ++d) {
         const Eigen::Matrix3d turned = detail::CrossMatrix(Eigen::Vector3d::Unit(d)) * turn / std::sqrt(2);
-        const Eigen::Map<const VectorOf<9>> way(turned.data());
-        across -= way * way.transpose();
+        const Eigen::Map<const VectorOf<9>> direction(turned.data());
+        across -= direction * direction.transpose();
     }
     own.topLeftCorner<9, 9>() += rigidity * rigid * across;
     gradient.head<9>() += rigidity * rigid * Eigen::Map<const VectorOf<9>>(off.data());

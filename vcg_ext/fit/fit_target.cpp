@@ -299,8 +299,8 @@ FitTarget::Match FitTarget::Nearest(const Eigen::Vector3d &p, NearestPlace::Hint
         for (int k = 0; k < at.count; ++k)
             middle += position.col(at.slot[k]) / at.count;
         for (int k = 0; k < at.count; ++k) {
-            const Eigen::Vector3d way = position.col(at.slot[k]) - middle;
-            spread += way * way.transpose();
+            const Eigen::Vector3d offset = position.col(at.slot[k]) - middle;
+            spread += offset * offset.transpose();
         }
         match.normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(0);
         match.isOriented = false;

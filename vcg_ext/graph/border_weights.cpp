@@ -71,8 +71,8 @@ void MatchTensors(const Graph &graph, const Eigen::Matrix3Xf &edge, const std::v
                   const std::vector<Flux> &flux, const ShapeConstants &shape, std::vector<float> &weight) {
     const Csr &adjacency = graph.adjacency;
     const auto directionOf = [&](std::uint32_t e) {
-        const Eigen::Vector3d way = edge.col(e).cast<double>();
-        return ToVector(way * way.transpose() / way.squaredNorm());
+        const Eigen::Vector3d offset = edge.col(e).cast<double>();
+        return ToVector(offset * offset.transpose() / offset.squaredNorm());
     };
     std::vector<TensorVector> change(adjacency.Size(), TensorVector::Zero()); // M
     for (Index i = 0; i < adjacency.Size(); ++i) {

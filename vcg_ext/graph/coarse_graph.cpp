@@ -53,8 +53,8 @@ CoarseGraph Coarsen(const DeformationGraph &fine, const std::vector<double> &are
             const Csr::Row row = adjacency[u];
             const auto e =
                 adjacency.begin[u] + std::uint32_t(std::lower_bound(row.begin(), row.end(), v) - row.begin());
-            const Eigen::Vector3d way = -fine.edge.col(e).cast<double>();
-            const Eigen::Vector3d x = fine.IsHeld(u) ? Eigen::Vector3d(at(v) - way) : at(u), y = x + way;
+            const Eigen::Vector3d offset = -fine.edge.col(e).cast<double>();
+            const Eigen::Vector3d x = fine.IsHeld(u) ? Eigen::Vector3d(at(v) - offset) : at(u), y = x + offset;
             flux.Add(fine.weight[e], x, y, fine.IsHeld(u), fine.IsHeld(v));
             return true;
         });

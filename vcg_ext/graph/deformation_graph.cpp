@@ -25,10 +25,10 @@ void WeighBorders(const Quotient<Flux> &dual, GraphWeights weights, const ShapeC
             Eigen::Vector3d from = d.graph.position.col(i).cast<double>(), to = d.graph.position.col(j).cast<double>();
             if (flux.held[3] > 0 && BeyondPaper(weights).borders)
                 (d.held[i] ? from : to) = flux.held.head<3>() / flux.held[3];
-            const Eigen::Vector3d way = from - to;
-            d.edge.col(e) = way.cast<float>();
-            const double along = (i < j ? -1 : 1) * flux.flow.dot(way);
-            d.weight[e] = along > 0 ? float(along / way.squaredNorm()) : 0.f;
+            const Eigen::Vector3d offset = from - to;
+            d.edge.col(e) = offset.cast<float>();
+            const double along = (i < j ? -1 : 1) * flux.flow.dot(offset);
+            d.weight[e] = along > 0 ? float(along / offset.squaredNorm()) : 0.f;
         }
     if (weights != GraphWeights::Border) {
         d.weight.assign(items, 1);

@@ -124,9 +124,9 @@ SmallParts FindSmallParts(const Graph &surface, const std::vector<Index> &tag, d
             for (Index v : surface.adjacency[u])
                 if (tag[v] == 1) {
                     const double w = CotangentWeight(surface, u, v);
-                    const Eigen::Vector3d way = (surface.position.col(v) - surface.position.col(u)).cast<double>();
-                    flow += w * way;
-                    border += w * way.norm();
+                    const Eigen::Vector3d offset = (surface.position.col(v) - surface.position.col(u)).cast<double>();
+                    flow += w * offset;
+                    border += w * offset.norm();
                     isFree = true;
                 }
         if (!isFree || (part.size() > 1 && flow.norm() >= shape.surrounded * border))

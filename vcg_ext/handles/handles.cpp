@@ -34,7 +34,7 @@ struct Polar {
     }
 };
 
-/// What turns at an even rate by \p turn, in all, and begins at \p speed moves as far as this, in all.
+/// How far a body moves in unit time that begins at \p speed and turns by \p turn at an even rate.
 Eigen::Vector3d Arc(const Eigen::Vector3d &turn, const Eigen::Vector3d &speed) {
     const double angle = detail::Length(turn);
     if (angle == 0)

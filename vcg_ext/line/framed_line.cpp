@@ -65,8 +65,8 @@ FramedLine::FramedLine(const Eigen::Matrix3Xd &points, double smoothing) {
         direction.col(i).normalize();
     }
     // Ends as on a circle, too: there, the tangents at both ends of a chord mirror each other.
-    const auto mirrored = [](const Eigen::Vector3d &way, const Eigen::Vector3d &t) {
-        return Eigen::Vector3d(2 * t.dot(way) * way - t);
+    const auto mirrored = [](const Eigen::Vector3d &axis, const Eigen::Vector3d &t) {
+        return Eigen::Vector3d(2 * t.dot(axis) * axis - t);
     };
     direction.col(0) = n > 2 ? mirrored(chord.col(0), direction.col(1)) : Eigen::Vector3d(chord.col(0));
     direction.col(n - 1) = n > 2 ? mirrored(chord.col(n - 2), direction.col(n - 2)) : Eigen::Vector3d(chord.col(0));
@@ -161,8 +161,8 @@ void FramedLine::FindFrames() {
             const double square = across.squaredNorm();
             return square > 0 ? Eigen::Vector3d(v - (2 * v.dot(across) / square) * across) : v;
         };
-        const Eigen::Vector3d way = point.col(i + 1) - point.col(i), t = tangent.col(i), next = tangent.col(i + 1);
-        Eigen::Vector3d r = reflected(reflected(up.back(), way), next - reflected(t, way));
+        const Eigen::Vector3d offset = point.col(i + 1) - point.col(i), t = tangent.col(i), next = tangent.col(i + 1);
+        Eigen::Vector3d r = reflected(reflected(up.back(), offset), next - reflected(t, offset));
         r -= r.dot(next) * next;
         up.push_back(r.normalized());
     }
@@ -235,8 +235,8 @@ std::size_t NearestPoint(const Eigen::Matrix3Xd &point, const Eigen::Vector3d &p
     for (std::size_t k = 0; k < count; ++k) {
         const std::size_t begin = first + k * coarse, end = std::min(last + 1, begin + coarse);
         if (k + 1 < count) {
-            const double both = distance[k] + distance[k + 1], way = double(coarse) * step;
-            if (0.5 * (both - way) > bound + 1e-9 * (both + way)) // up to rounding
+            const double both = distance[k] + distance[k + 1], apart = double(coarse) * step;
+            if (0.5 * (both - apart) > bound + 1e-9 * (both + apart)) // up to rounding
                 continue;
         }
         for (std::size_t i = begin; i < end; ++i)

@@ -180,11 +180,11 @@ SteadyPoints WithoutJitter(const Eigen::Matrix3Xd &points, double thickness) {
         steady.point = points - again.off;
         double squares = 0; // of the residuals across the line
         for (Eigen::Index i = 0; i < points.cols(); ++i) {
-            const Eigen::Vector3d way = (steady.point.col(std::min(i + 1, points.cols() - 1)) -
-                                         steady.point.col(std::max<Eigen::Index>(i - 1, 0)))
-                                            .normalized(),
+            const Eigen::Vector3d direction = (steady.point.col(std::min(i + 1, points.cols() - 1)) -
+                                               steady.point.col(std::max<Eigen::Index>(i - 1, 0)))
+                                                  .normalized(),
                                   off = spline.off.col(i);
-            squares += (off - off.dot(way) * way).squaredNorm();
+            squares += (off - off.dot(direction) * direction).squaredNorm();
         }
         steady.jitter = std::sqrt(squares / (2 * spline.freedom));
     }

@@ -41,8 +41,8 @@ void GraphMapping::ForPrintedWeights(Index node, const Add &add) const {
     const Index patch = patches.patchOf[node];
     for (std::uint32_t c = candidates->nodes.begin[patch]; c < candidates->nodes.begin[patch + 1]; ++c) {
         const detail::Ball &ball = candidates->ball[c];
-        const Eigen::Vector3f way = surface.position.col(node) - Eigen::Map<const Eigen::Vector3f>(ball.center);
-        const double left = 1 - std::sqrt(double(way.squaredNorm()) * ball.inverse);
+        const Eigen::Vector3f offset = surface.position.col(node) - Eigen::Map<const Eigen::Vector3f>(ball.center);
+        const double left = 1 - std::sqrt(double(offset.squaredNorm()) * ball.inverse);
         if (left > 0)
             add(ball.node, left * left);
     }
@@ -254,12 +254,12 @@ void GraphMapping::Posed::SetTerms(Index patch, const GraphPose &pose) {
     for (std::uint32_t c = nodes.begin[patch]; c < nodes.begin[patch + 1]; ++c) {
         const Index j = nodes.item[c];
         const Eigen::Matrix3d linear = pose.linear[j] - pose.linear[patch];
-        const Eigen::Vector3d way = RestOf(j) - RestOf(patch);
+        const Eigen::Vector3d offset = RestOf(j) - RestOf(patch);
         const Eigen::Vector3d shift =
-            pose.position.col(j) - pose.position.col(patch) - 0.5 * (pose.linear[j] + pose.linear[patch]) * way;
+            pose.position.col(j) - pose.position.col(patch) - 0.5 * (pose.linear[j] + pose.linear[patch]) * offset;
         Eigen::Map<Eigen::Matrix<float, detail::terms, 1>> terms(term.data() + std::size_t(c) * detail::terms);
         terms << linear.col(0).cast<float>(), linear.col(1).cast<float>(), linear.col(2).cast<float>(),
-            shift.cast<float>(), way.cast<float>(), 1.f;
+            shift.cast<float>(), offset.cast<float>(), 1.f;
     }
 }
 

@@ -60,8 +60,8 @@ class MappingCandidates {
         std::size_t share; ///< if so, the first of its shares, one for each ball near the patch
     };
 
-    /// The share of its weight that a node has at a detour: 1 half-way round a cylinder, 0 across a fold. \param way
-    /// length of the path over the surface \param straight straight distance \param radius of the node's patch; all in
+    /// The share of its weight that a node has at a detour: 1 half-way round a cylinder, 0 across a fold. \param path
+    /// length over the surface \param straight straight distance \param radius of the node's patch; all in
     /// the same units
     float Share(double path, double straight, double radius) const {
         const double detour = path / std::max(straight, shape.nearby * radius);

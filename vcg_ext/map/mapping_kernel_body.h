@@ -24,8 +24,8 @@ FCD_TARGET inline std::size_t WeighBalls(const float (*x)[lanes], const Ball *ba
         for (std::size_t g = 0; g < groups; ++g) {
             Numbers square = {};
             for (int d = 0; d < 3; ++d) {
-                const Numbers way = ball[c].center[d] - at[g][d];
-                square += way * way;
+                const Numbers offset = ball[c].center[d] - at[g][d];
+                square += offset * offset;
             }
             Numbers u = 1 - square * ball[c].inverse;
             u = u > 0 ? u : Numbers{};
@@ -97,17 +97,18 @@ FCD_TARGET inline void Blend(Blending &b) {
 FCD_TARGET inline void MoveByBlend(const Blending &b, const float *inverse, const PatchMotion &own, const Space &space,
                                    Vertices &v) {
     // The differences of the candidates' motions from that of the patch are small: float is enough.
-    double way[3][lanes], moved[3][lanes];
+    double fromCenter[3][lanes], moved[3][lanes];
     float local[3][lanes], offset[3][lanes];
     for (int d = 0; d < 3; ++d) {
         const double center = own.center[d];
         for (int l = 0; l < lanes; ++l)
-            way[d][l] = v.rest[d][l] - center;
+            fromCenter[d][l] = v.rest[d][l] - center;
     }
     for (int d = 0; d < 3; ++d) {
         const double x = space.toFrame[d], y = space.toFrame[3 + d], z = space.toFrame[6 + d];
         for (int l = 0; l < lanes; ++l)
-            local[d][l] = float(x * way[0][l] + y * way[1][l] + z * way[2][l]) - 0.5f * b.sum[12 + d][l] * inverse[l];
+            local[d][l] = float(x * fromCenter[0][l] + y * fromCenter[1][l] + z * fromCenter[2][l]) -
+                          0.5f * b.sum[12 + d][l] * inverse[l];
     }
     for (int d = 0; d < 3; ++d)
         for (int l = 0; l < lanes; ++l)
@@ -119,7 +120,7 @@ FCD_TARGET inline void MoveByBlend(const Blending &b, const float *inverse, cons
         const double i = space.fromFrame[d], j = space.fromFrame[3 + d], k = space.fromFrame[6 + d];
         for (int l = 0; l < lanes; ++l)
             moved[d][l] =
-                v.rest[d][l] + (shift + (x * way[0][l] + y * way[1][l] + z * way[2][l]) +
+                v.rest[d][l] + (shift + (x * fromCenter[0][l] + y * fromCenter[1][l] + z * fromCenter[2][l]) +
                                 (i * double(offset[0][l]) + j * double(offset[1][l]) + k * double(offset[2][l])));
     }
     std::memcpy(v.moved, moved, sizeof moved);

@@ -19,7 +19,7 @@
 namespace vcg::fcd {
 
 /// How a pose was reached.
-struct PoseWay {
+struct PosePath {
     int steps = 1;         ///< number of poses that were solved, each from the one before; this pose is the last
     bool jumps = false;    ///< the shape jumps to another one on the way, instead of changing continuously
     bool unstable = false; ///< the pose is a saddle of the energy: a small push would make it buckle
@@ -34,7 +34,7 @@ struct RegionPose {
     /// Of every tag but 1, frame units. Single nodes that only move turn as the surface around them.
     std::map<Index, Eigen::Affine3d> motion;
     int iterations = 0; ///< of the solver, for all steps
-    PoseWay way;
+    PosePath path;
     double volumeOff = 0; ///< largest error of a volume that should be kept, over that volume
 
     bool Moves() const { return given.Moves() || solved.moves; }

@@ -17,7 +17,7 @@ struct SurfacePose {
     HeldMotions given;
     std::vector<RegionPose> region;
     int iterations = 0; ///< the most of a region
-    PoseWay way;        ///< steps: the most of a region; jumps, unstable: of any region
+    PosePath path;      ///< steps: the most of a region; jumps, unstable: of any region
     bool converged = true;
     double energy = 0; ///< Eq. 2, world units^2
 

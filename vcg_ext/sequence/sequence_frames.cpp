@@ -242,8 +242,8 @@ SequenceReport WriteFrames(const SurfaceView &surface, const Handles &handles, c
         carrier = std::make_unique<Carrier>(deformer, pose, part.threads);
         carrier->Apply(position, nullptr, part.Slice(0.5, 0.8));
         report.converged = report.converged && pose.converged;
-        report.jumps = report.jumps || pose.way.jumps;
-        report.unstable = report.unstable || pose.way.unstable;
+        report.jumps = report.jumps || pose.path.jumps;
+        report.unstable = report.unstable || pose.path.unstable;
         if (farthest.region.empty() || pose.energy > farthest.energy)
             farthest = pose;
         report.folded =

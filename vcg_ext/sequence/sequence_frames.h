@@ -57,7 +57,7 @@ struct SequenceReport {
     std::size_t frames = 0; ///< frames that were made, and key frames between them
     double difference = 0;  ///< with EachPose: largest distance of a vertex, mixed, from the frame, world units
     bool converged = true;  ///< all poses
-    bool jumps = false, unstable = false; ///< any pose, as in PoseWay
+    bool jumps = false, unstable = false; ///< any pose, as in PosePath
     /// Deformer::DiscretisationError of the pose with most energy (Eq. 2). Only of that, since it takes another
     /// solution.
     double discretisationError = 0;

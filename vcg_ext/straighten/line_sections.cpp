@@ -80,12 +80,12 @@ class Around {
             Eigen::Vector3d all = Eigen::Vector3d::Zero(), slope = all;
             double total = 0, first = 0, second = 0;
             for (int k = std::max(0, b - reach); k <= std::min(n - 1, b + reach); ++k) {
-                const double way = k - b, w = Exponential(-0.5 * Squared(way / sigma)), share = w * weight[k];
+                const double offset = k - b, w = Exponential(-0.5 * Squared(offset / sigma)), share = w * weight[k];
                 all += w * sum.col(k);
-                slope += w * way * sum.col(k);
+                slope += w * offset * sum.col(k);
                 total += share;
-                first += way * share;
-                second += way * way * share;
+                first += offset * share;
+                second += offset * offset * share;
             }
             const double spread = second - first * first / total;
             found.col(b) = all / total;
@@ -106,9 +106,9 @@ class Around {
             double moment[5] = {};
             Eigen::Vector3d sum[3] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
             for (int k = std::max(0, b - reach); k <= std::min(n - 1, b + reach); ++k) {
-                const double way = (k - b) / sigma;
-                double w = Exponential(-0.5 * Squared(way));
-                for (int d = 0; d < 5; w *= way, ++d) {
+                const double offset = (k - b) / sigma;
+                double w = Exponential(-0.5 * Squared(offset));
+                for (int d = 0; d < 5; w *= offset, ++d) {
                     moment[d] += w;
                     if (d < 3)
                         sum[d] += w * points.col(k);
@@ -195,8 +195,8 @@ Eigen::Matrix3Xd MiddleOf(const RegionDeformer &deformer, const Eigen::Affine3d 
         for (Eigen::Index b = 0; b < on.cols(); ++b)
             if (std::isfinite(across(1, b))) {
                 const Eigen::Matrix3d &axes = frames[b].axes;
-                const Eigen::Vector3d along = axes.col(0), way = smooth.col(b) + lost.col(b) - on.col(b);
-                found.emplace_back(on.col(b) + way - way.dot(along) * along + axes * across.col(b));
+                const Eigen::Vector3d along = axes.col(0), offset = smooth.col(b) + lost.col(b) - on.col(b);
+                found.emplace_back(on.col(b) + offset - offset.dot(along) * along + axes * across.col(b));
             }
         if (!(all > 0) || found.size() < bins / 2)
             throw BadInput("The surface has too few cross-sections along the line to find its middle. Give a line "

@@ -69,7 +69,7 @@ class CloudNeighbourhood {
     /// points
     const std::vector<Index> &Neighbours(bool far = false) {
         double sum = 0;
-        for (const Other &other : ways)
+        for (const Other &other : beside)
             sum += other.square;
         area = around.empty() ? 0 : sum * 2 * EIGEN_PI / (double(around.size()) * double(around.size() + 1));
         here = 0;
@@ -83,7 +83,7 @@ class CloudNeighbourhood {
             const auto *nearest = Wide(most).Of(at);
             std::for_each(nearest, nearest + std::min(most, others), [&](const auto &o) { step(double(o.square)); });
         } else {
-            for (const Other &other : ways)
+            for (const Other &other : beside)
                 step(other.square);
         }
         if (around.size() == std::size_t(cloudNeighbours)) {
@@ -103,8 +103,8 @@ class CloudNeighbourhood {
     /// Calls body(number) for the points around within \p reach, the nearest first.
     template <class Body>
     void ForEachWithin(double reach, const Body &body) const {
-        for (std::size_t k = 0; k < ways.size() && std::sqrt(ways[k].square) <= reach; ++k)
-            body(ways[k].number);
+        for (std::size_t k = 0; k < beside.size() && std::sqrt(beside[k].square) <= reach; ++k)
+            body(beside[k].number);
     }
 
     std::vector<Index> around; ///< the points that were looked at, the nearest first
@@ -127,20 +127,20 @@ class CloudNeighbourhood {
     struct Other {
         double square; // of its distance
         Index number;
-        Eigen::Vector3d way; // from the point to this one
+        Eigen::Vector3d offset; // from the point to this one
         bool operator<(const Other &o) const { return square != o.square ? square < o.square : number < o.number; }
     };
 
     void Find(std::size_t wanted) {
         const NearestOthers<Scalar> &nearest = wanted > std::size_t(cloudNeighbours) ? Wide(wanted) : Close(wanted);
         around.resize(std::min(wanted, others));
-        ways.resize(around.size());
+        beside.resize(around.size());
         const typename PointTree<Scalar>::Point x = points.At(at);
         const auto *each = nearest.Of(at);
-        for (std::size_t k = 0; k < ways.size(); ++k, ++each) {
-            const Eigen::Vector3d way = (points.At(std::size_t(each->at)) - x).template cast<double>();
+        for (std::size_t k = 0; k < beside.size(); ++k, ++each) {
+            const Eigen::Vector3d offset = (points.At(std::size_t(each->at)) - x).template cast<double>();
             around[k] = each->point;
-            ways[k] = {way.squaredNorm(), each->point, way};
+            beside[k] = {offset.squaredNorm(), each->point, offset};
         }
     }
 
@@ -172,11 +172,12 @@ class CloudNeighbourhood {
     /// most mean + 2 spread, and the sign of the characteristic polynomial at leastAcross times that tells if only a is
     /// below, as it mostly is.
     bool IsSurelyAcross() const {
-        if (ways.size() != std::size_t(cloudNeighbours))
+        if (beside.size() != std::size_t(cloudNeighbours))
             return false;
         double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
         for (int k = 0; k < cloudNeighbours; ++k) {
-            const double w = 1 / ways[k].square, x = ways[k].way[0], y = ways[k].way[1], z = ways[k].way[2];
+            const double w = 1 / beside[k].square, x = beside[k].offset[0], y = beside[k].offset[1],
+                         z = beside[k].offset[2];
             const double wx = w * x, wy = w * y, wz = w * z;
             xx += wx * x;
             yy += wy * y;
@@ -201,8 +202,8 @@ class CloudNeighbourhood {
     /// Second moments of the directions to the points around.
     Eigen::Matrix3d Moments() const {
         Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
-        for (const Other &other : ways)
-            moments += other.way * other.way.transpose() / other.square;
+        for (const Other &other : beside)
+            moments += other.offset * other.offset.transpose() / other.square;
         return moments;
     }
 
@@ -218,12 +219,12 @@ class CloudNeighbourhood {
     void Choose(std::size_t wanted) {
         const Eigen::Matrix3d axes = SymmetricEigen(Moments()).Vectors();
         const Eigen::Vector3d along = axes.col(2), across = axes.col(1);
-        std::sort(ways.begin(), ways.end());
+        std::sort(beside.begin(), beside.end());
         inPlane.clear();
-        for (const Other &other : ways)
-            inPlane.emplace_back(other.way.dot(along), other.way.dot(across));
+        for (const Other &other : beside)
+            inPlane.emplace_back(other.offset.dot(along), other.offset.dot(across));
         // Points farther away than the last one cut nothing of the square of half that distance.
-        const double half = 0.5 * std::sqrt(ways.back().square);
+        const double half = 0.5 * std::sqrt(beside.back().square);
         cell.assign({{half, half}, {-half, half}, {-half, -half}, {half, -half}});
         for (const Eigen::Vector2d &o : inPlane) {
             const auto beyond = [&](const Eigen::Vector2d &p) { return p.dot(o) - 0.5 * o.squaredNorm(); };
@@ -248,7 +249,7 @@ class CloudNeighbourhood {
         }
         std::sort(rank.begin(), rank.end());
         for (std::size_t k = 0; k < wanted; ++k)
-            neighbour.push_back(ways[rank[k].second].number);
+            neighbour.push_back(beside[rank[k].second].number);
     }
 
     const PointTree<Scalar> &points;
@@ -257,7 +258,7 @@ class CloudNeighbourhood {
     NearestOthers<Scalar> inBlock, wideInBlock, alone; ///< of all points of a block, the rest of one, and one point
     std::size_t lastWide = PointTree<Scalar>::none;    ///< the last point of Wide
     std::size_t lastWanted = 0;                        ///< the most that it asked for
-    std::vector<Other> ways;                           ///< to the points around
+    std::vector<Other> beside;                         ///< to the points around
     std::vector<Index> neighbour;
     std::vector<Eigen::Vector2d> inPlane, cell, cut;
     std::vector<std::pair<double, std::size_t>> rank;

@@ -109,7 +109,8 @@ class CloudParts {
                std::size_t(c[2]);
     }
 
-    /// The rings that hold three times \p wanted points on a sheet with as many points a cell as \p some have.
+    /// The number of rings of cells that hold three times \p wanted points, on a sheet with as many points a cell as
+    /// \p some have.
     int RingsFor(const std::vector<std::uint32_t> &some, std::size_t wanted) const {
         std::vector<std::size_t> cell;
         cell.reserve(some.size());

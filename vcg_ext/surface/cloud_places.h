@@ -27,8 +27,8 @@ struct PlaceRuns {
             for (std::size_t r = first; r < last; ++r) {
                 double longest = -1;
                 for (std::size_t i = r * size; i < End(r); ++i)
-                    if (const double way = i > r * size ? (at(i) - at(i - 1)).squaredNorm() : 0; way > longest) {
-                        longest = way;
+                    if (const double step = i > r * size ? (at(i) - at(i - 1)).squaredNorm() : 0; step > longest) {
+                        longest = step;
                         cut[r] = i;
                     }
                 for (std::size_t i = r * size; i < End(r); ++i) {

@@ -134,8 +134,8 @@ class NormalEquations {
         : n(n), matrix(Eigen::MatrixXd::Zero(3 * n, 3 * n)), right(Eigen::VectorXd::Zero(3 * n)) {}
 
     /// Adds (C b - way)^T form (C b - way).
-    void Add(const Eigen::Matrix3d &form, const Eigen::VectorXd &b, const Eigen::Vector3d &way) {
-        const Eigen::Vector3d pull = form * way;
+    void Add(const Eigen::Matrix3d &form, const Eigen::VectorXd &b, const Eigen::Vector3d &offset) {
+        const Eigen::Vector3d pull = form * offset;
         for (int i = 0; i < 3; ++i) {
             for (int k = 0; k <= i; ++k)
                 for (Eigen::Index c = 0; c < n; ++c)

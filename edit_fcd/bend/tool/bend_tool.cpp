@@ -72,7 +72,7 @@ void BendTool::drawOverlay() const {
         return;
     if (panel->mode() == BendPanel::Line)
         drawLine(panel->line().lineLayer() < 0 ? lineOf(*session) : Eigen::Matrix3Xd(3, 0),
-                 linePreview ? linePreview->last().way : Eigen::Matrix3Xd(3, 0));
+                 linePreview ? linePreview->last().path : Eigen::Matrix3Xd(3, 0));
     if (const std::optional<Gizmo> shown = isBending ? gizmo() : std::nullopt)
         drawGizmo(seen, *shown, drag, lit);
     if (isBending && !drag)

@@ -112,27 +112,28 @@ std::optional<MotionStep> BendDrag::step(const Camera &view) const {
     case Limb: return limb ? turnOf(limb->turn(), before ? before->pivot : pivot) : std::nullopt;
     case Move: {
         const double pixel = view.pixelAt(pivot), length = roundBelow(snapPixels * pixel);
-        Eigen::Vector3d way = view.toWorld({to[0], to[1], center[2]}) - view.toWorld({begun[0], begun[1], center[2]});
+        Eigen::Vector3d offset =
+            view.toWorld({to[0], to[1], center[2]}) - view.toWorld({begun[0], begun[1], center[2]});
         if (onto && !isTyped) {
-            way = *onto - pivot;
+            offset = *onto - pivot;
             if (axis >= 0)
-                way = way.dot(axes.col(axis)) * axes.col(axis);
+                offset = offset.dot(axes.col(axis)) * axes.col(axis);
         } else if (isTyped) {
-            way = number * axes.col(axis < 0 ? 0 : axis);
+            offset = number * axes.col(axis < 0 ? 0 : axis);
         } else if (axis >= 0) {
             const double unit = 100 * pixel;
             const Eigen::Vector2d along = view.toWindow(pivot + unit * axes.col(axis)).head<2>() - middle;
             const double square = std::max(along.squaredNorm(), 100.0); // for an axis along the view direction
             const double far = (to - begun).dot(along) / square * unit;
-            way = (snap ? inSteps(far, length) : far) * axes.col(axis);
+            offset = (snap ? inSteps(far, length) : far) * axes.col(axis);
         } else if (snap) {
             for (int d = 0; d < 3; ++d)
-                way[d] = inSteps(way[d], length);
+                offset[d] = inSteps(offset[d], length);
         }
-        way = inFewDigits(way);
-        if (way.isZero(0))
+        offset = inFewDigits(offset);
+        if (offset.isZero(0))
             return {};
-        return MotionStep::Translate(way);
+        return MotionStep::Translate(offset);
     }
     case Turn: {
         const Eigen::Vector3d eye = view.towardsEye(pivot);
@@ -286,10 +287,10 @@ void LimbTurn::moveTo(const Camera &view, const Eigen::Vector3d &from, const Eig
             axis = flat.norm() > leastBent ? Eigen::Vector3d(flat.normalized()) : along.unitOrthogonal();
         }
     }
-    const Eigen::Vector3d begin = window, way = to - begin;
-    const int steps = std::max(1, int(std::ceil(way.head<2>().norm() / pixels)));
+    const Eigen::Vector3d begin = window, offset = to - begin;
+    const int steps = std::max(1, int(std::ceil(offset.head<2>().norm() / pixels)));
     for (int i = 1; i <= steps; ++i) {
-        const Eigen::Vector3d next = aimAt(view, from, begin + double(i) / steps * way);
+        const Eigen::Vector3d next = aimAt(view, from, begin + double(i) / steps * offset);
         turned = (Eigen::Quaterniond::FromTwoVectors(aim, next) * turned).normalized();
         aim = next;
     }

@@ -112,9 +112,9 @@ void drawGizmo(const Camera &view, const Gizmo &gizmo, const BendDrag *drag, con
     drawPoint(gizmo.center, 14);
 }
 
-void drawLine(const Eigen::Matrix3Xd &points, const Eigen::Matrix3Xd &way) {
+void drawLine(const Eigen::Matrix3Xd &points, const Eigen::Matrix3Xd &path) {
     const FlatDrawing flat;
-    const bool isKnown = way.cols() > 0;
+    const bool isKnown = path.cols() > 0;
     for (const bool isInner : {false, true}) { // dark around light: seen on any ground
         const float width = isKnown ? 2 : 1;
         glLineWidth(isInner ? width : width + 2);
@@ -123,7 +123,7 @@ void drawLine(const Eigen::Matrix3Xd &points, const Eigen::Matrix3Xd &way) {
         else
             glColor3ub(20, 20, 20);
         glBegin(GL_LINE_STRIP);
-        for (const auto &place : (isKnown ? way : points).colwise())
+        for (const auto &place : (isKnown ? path : points).colwise())
             put(place);
         glEnd();
         for (Eigen::Index i = 0; i < points.cols(); ++i)

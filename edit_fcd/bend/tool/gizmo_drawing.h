@@ -32,8 +32,8 @@ void drawPoints(const BendSession &session, const BendDrag *drag, int lit);
 void drawPivot(const Eigen::Vector3d &place);
 /// Draws the gizmo. \param drag may be null \param lit highlighted part
 void drawGizmo(const Camera &view, const Gizmo &gizmo, const BendDrag *drag, const std::optional<GizmoPart> &lit);
-/// Draws the points of a line, the first one larger, and the line. \param points 3 x n, world \param way 3 x m, points
+/// Draws the points of a line, the first one larger, and the line. \param points 3 x n, world \param path 3 x m, points
 /// along the line that is used, or, if that is not known yet, along the given one; world
-void drawLine(const Eigen::Matrix3Xd &points, const Eigen::Matrix3Xd &way);
+void drawLine(const Eigen::Matrix3Xd &points, const Eigen::Matrix3Xd &path);
 
 #endif

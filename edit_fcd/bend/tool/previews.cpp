@@ -15,9 +15,9 @@ static BendLinePreview::Found previewOf(const Eigen::Matrix3Xd &points, double s
     const vcg::fcd::FramedLine line(points, smoothing);
     found.length = line.Length();
     const int parts = 200;
-    found.way.resize(3, parts + 1);
+    found.path.resize(3, parts + 1);
     for (int i = 0; i <= parts; ++i)
-        found.way.col(i) = line.At(line.Length() * i / parts).point;
+        found.path.col(i) = line.At(line.Length() * i / parts).point;
     return found;
 }
 

@@ -24,7 +24,7 @@ class BendLinePreview : public QObject {
     /// What was found.
     struct Found {
         Eigen::Matrix3Xd points;           ///< 3 x n, of the line that is used, world
-        Eigen::Matrix3Xd way;              ///< 3 x m, closer points along it, for drawing, world
+        Eigen::Matrix3Xd path;             ///< 3 x m, closer points along it, for drawing, world
         double length = 0;                 ///< world units
         vcg::fcd::StraightenReport report; ///< of LineOf
         std::string error;                 ///< why there is no line; else empty
