@@ -3,8 +3,10 @@
 
 #include <layer_fcd/layer_labels.h>
 
+#include <array>
 #include <cmath>
 #include <sstream>
+#include <utility>
 
 std::string describe(const vcg::fcd::SurfaceReport &surface) {
     std::ostringstream line;
@@ -271,19 +273,8 @@ HostFilterPlugin::ReturnedValues valuesOf(const SavedDeformation &saved) {
 
 std::vector<std::string> warningsOf(const SavedDeformation &saved) {
     std::vector<std::string> warnings;
-    if (const vcg::fcd::SampledField &field = saved.field; field.off + field.stirred > 0) {
-        std::ostringstream line;
-        if (field.off > 0)
-            line << field.off << " vertices of the source are farther off than " << field.accuracy
-                 << (field.stirred > 0 ? " and " : "");
-        if (field.stirred > 0)
-            line << field.stirred << " vertices of the source that rest move";
-        line << ": parts at one place move differently there, or a million samples are not enough. If that matters, "
-                "use the graph layers.";
-        warnings.push_back(line.str());
-    }
-    if (saved.folded > 0)
-        warnings.push_back("The deformation folds the source at " + std::to_string(saved.folded) +
-                           " of its vertices: these have no way back, and points near them may come to another place.");
+    for (std::string &each : std::array{saved.field.Warning(), vcg::fcd::FoldsWarning(saved.folded)})
+        if (!each.empty())
+            warnings.push_back(std::move(each));
     return warnings;
 }

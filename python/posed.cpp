@@ -249,10 +249,8 @@ nb::tuple Posed::field(bool inverse, double accuracy, const nb::object &report) 
         made = std::make_unique<Field>(std::move(sampled.samples), progress.Slice(1, 1));
     });
     nb::dict all;
-    all["accuracy"] = sampled.accuracy;
-    all["off"] = sampled.off;
-    all["stirred"] = sampled.stirred;
-    all["folded"] = folded;
+    all["warning"] = sampled.Warning();
+    all["folds"] = vcg::fcd::FoldsWarning(folded);
     all["seconds"] = watch.Seconds();
     return nb::make_tuple(std::move(made), all);
 }

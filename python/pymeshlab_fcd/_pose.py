@@ -339,18 +339,8 @@ class Pose(Unchanging):
 
     def _deformation(self, progress: Progress, level: int, accuracy: float, inverse: bool = False) -> Deformation:
         field, told = self._core.field(_inputs.flag("inverse", inverse), accuracy, report(progress))
-        made, found = Deformation._of(field, told["seconds"]), list[Told]()
-        if told["folded"] > 0:
-            found.append((FoldWarning, f"The pose folds the surface at {told['folded']} vertices: these have no way back, and points "
-                                       "near them may come to another place."))
-        wrong = []
-        if told["off"] > 0:
-            wrong.append(f"{told['off']} vertices are farther off than {told['accuracy']:g}, up to {made.largest_difference:g}")
-        if told["stirred"] > 0:
-            wrong.append(f"{told['stirred']} vertices that rest move")
-        if wrong:
-            found.append((AccuracyWarning, " and ".join(wrong) + ": parts at one place move differently there, or a million samples are not "
-                                           "enough. If that matters, use Pose.map."))
+        made = Deformation._of(field, told["seconds"])
+        found: list[Told] = [(kind, told[name]) for kind, name in ((FoldWarning, "folds"), (AccuracyWarning, "warning")) if told[name]]
         warn(found, level)
         return made
 

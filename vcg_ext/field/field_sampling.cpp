@@ -3,6 +3,7 @@
 
 #include <cassert>
 #include <cmath>
+#include <sstream>
 
 namespace vcg::fcd {
 std::vector<std::array<Index, 3>> detail::DualOf(const Patches &patches, const SurfaceGraph &surface,
@@ -188,6 +189,27 @@ Index Invert(std::vector<Eigen::Matrix3f> &linear) {
         each = isFolded ? Eigen::Matrix3f::Identity() : Eigen::Matrix3f(map.inverse().cast<float>());
     }
     return folded;
+}
+
+std::string SampledField::Warning() const {
+    if (off + stirred == 0)
+        return "";
+    std::ostringstream line;
+    if (off > 0)
+        line << off << " vertices are farther off than " << accuracy << ", up to " << largest
+             << (stirred > 0 ? " and " : "");
+    if (stirred > 0)
+        line << stirred << " vertices that rest move";
+    line
+        << ": parts at one place move differently there, or a million samples are not enough. If that matters, use the "
+           "graph layers (in Python, Pose.map).";
+    return line.str();
+}
+
+std::string FoldsWarning(Index folded) {
+    return folded == 0 ? ""
+                       : "The deformation folds the surface at " + std::to_string(folded) +
+                             " vertices: these have no way back, and points near them may come to another place.";
 }
 
 } // namespace vcg::fcd

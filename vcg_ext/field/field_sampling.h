@@ -5,6 +5,7 @@
 #include <vcg_ext/field/deformation_field.h>
 #include <vcg_ext/surface/surface_arrays.h>
 
+#include <string>
 #include <vector>
 
 namespace vcg::fcd {
@@ -30,6 +31,9 @@ struct SampledField {
     Index off = 0;       ///< vertices beyond the accuracy: more samples did not help, or would be too many
     Index stirred = 0;   ///< vertices that rest, but move by these samples
     int rounds = 0;
+
+    /// For a user: how many vertices are off or stirred, why, and what to do. Empty if none are.
+    std::string Warning() const;
 };
 
 /// Samples the deformation of a mesh at few vertices. Patches of the surface grow around the samples, so that close
@@ -51,6 +55,9 @@ SampledField SampleField(const SurfaceView &mesh, const Eigen::Matrix3Xd &rest, 
 /// Inverts the linear maps of a deformation, for SampleField from the deformed surface back to rest. \return how many
 /// are folded; they have no inverse and become the identity
 Index Invert(std::vector<Eigen::Matrix3f> &linear);
+
+/// For a user: what folded vertices mean for an inverse. Empty if there are none.
+std::string FoldsWarning(Index folded);
 
 } // namespace vcg::fcd
 
