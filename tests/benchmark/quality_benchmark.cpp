@@ -212,10 +212,11 @@ const Step steps[] = {
          p.graph.measure = vcg::fcd::PatchMeasure::Vertices;
          p.weights = vcg::fcd::MappingWeights::Euclidean;
      }},
-    {"mapping, held parts, end", [](DeformationParam &p) { p.graphWeights = vcg::fcd::GraphWeights::Uniform; }},
+    {"mapping, held parts that give way, end",
+     [](DeformationParam &p) { p.graphWeights = vcg::fcd::GraphWeights::Uniform; }},
     {"patches by area", [](DeformationParam &p) { p.graph.measure = vcg::fcd::PatchMeasure::Area; }},
     {"weights from borders", [](DeformationParam &p) { p.graphWeights = vcg::fcd::GraphWeights::Border; }},
-    {"along the surface", [](DeformationParam &p) { p.weights = vcg::fcd::MappingWeights::Surface; }},
+    {"along the surface: the defaults", [](DeformationParam &p) { p.weights = vcg::fcd::MappingWeights::Surface; }},
 };
 
 struct Loaded {
@@ -495,19 +496,23 @@ int main(int argc, char **argv) {
                 results.Row(Cells("mean", NameOf(half), k, MeanOf(of.at(k)), shown));
 
         if (sensitivity || withSteps) {
-            columns = {{sensitivity ? "constant" : "step", -24}, {"value", 9}, {"half", -8}};
+            columns = {{sensitivity ? "constant" : "step", -40}, {"value", 9}, {"half", -8}};
             const std::vector<std::pair<Measure, std::string>> moving = {
                 {Rms, "rms %"}, {Bend99, "bend p99"}, {BendMax, "bend max"}};
-            for (const auto &[measure, title] : moving)
+            const auto inOne = [&](const auto &cellOf) { // of all numbers of patches
+                std::string cell;
                 for (int k : patches)
-                    columns.push_back({title + " " + std::to_string(k), 13});
+                    cell += (cell.empty() ? "" : " / ") + cellOf(k);
+                return cell;
+            };
+            for (const auto &[measure, title] : moving)
+                columns.push_back({title + ", " + inOne([](int k) { return std::to_string(k); }), 30});
             const Table table(format, columns);
             const auto row = [&](const std::string &name, const std::string &value, const Outcomes &all) {
                 for (const auto &[half, of] : all) {
                     std::vector<std::string> cells = {name, value, NameOf(half)};
                     for (const auto &[measure, title] : moving)
-                        for (int k : patches)
-                            cells.push_back(Text(MeanOf(of.at(k)).median[measure], 3));
+                        cells.push_back(inOne([&, m = measure](int k) { return Text(MeanOf(of.at(k)).median[m], 2); }));
                     table.Row(cells);
                 }
             };
