@@ -1025,8 +1025,9 @@ TEST(Fit, ATargetThatIsNoSurfaceIsRefusedOrTold) {
 // tells.
 TEST(Fit, BeginsFromAfarByItself) {
     const Eigen::Affine3d shift(Eigen::Translation3d(300, -20, 100)),
-        turn = shift * Eigen::AngleAxisd(1.6, Vector3d(1, 2, -1).normalized());
-    for (const Eigen::Affine3d &away : {shift, turn}) {
+        turn = shift * Eigen::AngleAxisd(1.6, Vector3d(1, 2, -1).normalized()),
+        farthest(Eigen::Translation3d(4e6, -5e6, 0)); // as a survey's coordinates from a template's
+    for (const Eigen::Affine3d &away : {shift, turn, farthest}) {
         const Fitted fitted = Fit(source, Moved(target, away));
         EXPECT_TRUE(fitted.report.fromAfar);
         EXPECT_GT(fitted.report.apart, 200);

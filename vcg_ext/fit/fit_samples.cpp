@@ -23,12 +23,15 @@ void FitSamples::Add(const RegionDeformer &deformer, const RegionPose &pose, Ind
         middle += double(each.second) * rest(each.first);
     }
     middle /= sum;
+    double all = sum; // 1 but for the rounding of floats, which would show far from the origin
+    for (const auto &each : influences.held)
+        all += double(each.second);
     for (const auto &each : influences.nodes)
-        term.push_back({each.first, double(each.second), p - 0.5 * (rest(each.first) + middle)});
+        term.push_back({each.first, double(each.second) / all, p - 0.5 * (rest(each.first) + middle)});
     begin.push_back(std::uint32_t(term.size()));
     Eigen::Vector3d ofHeld = Eigen::Vector3d::Zero();
     for (const auto &each : influences.held)
-        ofHeld += double(each.second) * (pose.motion.at(each.first) * p);
+        ofHeld += double(each.second) / all * (pose.motion.at(each.first) * p);
     fixed.push_back(ofHeld);
     normal.emplace_back(Eigen::Vector3d::Zero());
     weight.push_back(1);
