@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/fit/fit_contradictions.h>
 #include <vcg_ext/fit/fit_landmarks.h>
 #include <vcg_ext/fit/fit_target.h>
 #include <vcg_ext/symmetrize.h>
@@ -70,6 +71,11 @@ Marks MarksOf(const SymmetryGoal &goal, const SurfaceView &source, const Frame &
     return marks;
 }
 
+/// \param numbers ascending
+bool IsIn(const std::vector<std::size_t> &numbers, std::size_t l) {
+    return std::binary_search(numbers.begin(), numbers.end(), l);
+}
+
 MirrorPlane InFrame(const MirrorPlane &plane, const ToWorld &world) {
     if (!plane.point.allFinite() || !plane.normal.allFinite() || !(plane.normal.norm() > 0))
         throw BadInput("The plane has no direction: give a point on it, and its normal, of any length but 0.");
@@ -118,6 +124,7 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
             whole.to.push_back(in(partner));
         }
         whole.landmarkWeight = landmarkWeight;
+        whole.landmarkNoise = noHand;
         whole.degree = degree;
         return whole;
     };
@@ -180,14 +187,20 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
         whole.linear[j] = plane.Linear() * linear * plane.Linear() * whole.linear[j];
     }
     GraphPose half = HalfPose(region.graph, whole);
-    FitSamples samples;
-    for (std::size_t vertex : marks.vertex)
-        samples.Add(region, made.fitted.region[0], fitter.Surface().nodeOf[vertex]);
-    if (samples.Size() > 0) {
-        std::vector<Eigen::Vector3d> at, goals;
-        for (std::size_t l = 0; l < samples.Size(); ++l)
-            at.emplace_back(samples.At(l, half) - marks.beside[l]); // of the landmark
-        for (std::size_t l = 0; l < samples.Size(); ++l) {
+    // Landmarks that the fit has left out are not moved, nor are their partners.
+    std::vector<std::size_t> led;
+    for (std::size_t l = 0; l < marks.vertex.size(); ++l)
+        if (!report.fit.leftOut ||
+            (!IsIn(report.fit.contradicted, l) && !IsIn(report.fit.contradicted, marks.partner[l])))
+            led.push_back(l);
+    if (!led.empty()) {
+        FitSamples samples;
+        std::vector<Eigen::Vector3d> at(marks.vertex.size()), goals;
+        for (std::size_t k = 0; k < led.size(); ++k) {
+            samples.Add(region, made.fitted.region[0], fitter.Surface().nodeOf[marks.vertex[led[k]]]);
+            at[led[k]] = samples.At(k, half) - marks.beside[led[k]]; // of the landmark
+        }
+        for (std::size_t l : led) {
             const Eigen::Vector3d middle = 0.5 * (at[l] + plane(at[marks.partner[l]]));
             goals.emplace_back(middle + marks.beside[l]);
             report.landmarks = std::max(report.landmarks, 2 * (middle - at[l]).norm() * frame.scale);

@@ -66,6 +66,28 @@ def test_landmarks_lie_in_each_others_mirror_image():
     assert symmetrize(buried(truth), FACES, plane=[point, 2 * normal]).symmetry.plane_from == "given"
 
 
+@pytest.mark.parametrize("kind", ["pairs", "midline"])
+def test_landmarks_that_the_others_contradict_are_left_out(kind):
+    """Two pairs whose right ends are swapped; a point of the midline that lies on one side."""
+    def place(sites):
+        return buried(skull(sites, 3), 0.14, 0.15)
+
+    at, faces = ball(40, 60)
+    a = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+    sites = np.stack([np.where(kind == "pairs", 0.6, 0 * a), 0.8 * np.cos(a), 0.8 * np.sin(a)], 1)
+    sites /= np.linalg.norm(sites, axis=1)[:, None]
+    if kind == "pairs":
+        marks, wrong = np.stack([place(sites), place(sites * MIRROR)], 1), (0, 5)
+        marks[[0, 5], 1] = marks[[5, 0], 1]
+    else:
+        sites[3] = [0.8, 0.6, 0]
+        marks, wrong = place(sites), (3,)
+    with pytest.warns(DeformationWarning, match="do not go with the others"):
+        made = symmetrize(place(at), faces, landmark_tolerance=0.01, **{kind: marks})
+    assert made.symmetry.contradicted == wrong and made.symmetry.converged
+    assert off(place(at), skull(at, 3)) > 1.7 and off(made.vertices, skull(at, 3)) < 0.25
+
+
 def test_the_good_side_is_mirrored_over_a_missing_one():
     truth = skull(AT, 5)
     gone = ((truth - [0.6, 0.3, 0.3]) ** 2).sum(1) < 0.15

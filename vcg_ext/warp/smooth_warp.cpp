@@ -94,6 +94,8 @@ double MedianOf(std::vector<double> values) {
     return *middle;
 }
 
+double RobustWeight(double off) { return 1 / ((1 + off * off) * (1 + off * off)); }
+
 bool HasSides(const Eigen::Vector3d &normal, const WarpMatch &match) {
     return !match.normal.isZero(0) && !normal.isZero(0);
 }
@@ -183,6 +185,7 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *r
     std::vector<Eigen::Vector3d> at = goal.place, normal = goal.normal;
     std::vector<WarpMatch> match(places);
     std::vector<double> far(places), share(places), found; // share: weight of each match, without the robust one
+    std::vector<double> off(goal.from.size());             // of landmarks, from where they belong
     for (int degree = 1; degree <= goal.degree; ++degree) {
         warp = SmoothWarp(middle, radius, degree);
         const Eigen::Index n = warp.Size();
@@ -228,8 +231,7 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *r
             for (std::size_t s = 0; s < places; ++s) {
                 if (!(share[s] > 0))
                     continue;
-                const double off = far[s] / std::max(width, goal.expected), robust = 1 / (1 + off * off);
-                const double weight = share[s] * robust * robust;
+                const double weight = share[s] * RobustWeight(far[s] / std::max(width, goal.expected));
                 counted += weight;
                 const double beside = degree == 1 ? alongFirst : along;
                 Eigen::Matrix3d form = Eigen::Matrix3d::Identity();
@@ -241,9 +243,11 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *r
                 }
                 sums.Add(weight * form, basis[s], match[s].point - goal.place[s]);
             }
+            // Landmarks lead a shape that is sheared: they are doubted only once it is.
+            const double usual = std::max(2 * MedianOf(off), goal.landmarkNoise);
             for (std::size_t l = 0; l < goal.from.size(); ++l)
-                sums.Add(goal.landmarkWeight * std::max(counted, 1.0) / double(goal.from.size()) *
-                             Eigen::Matrix3d::Identity(),
+                sums.Add((degree == 1 ? 1 : RobustWeight(off[l] / usual)) * goal.landmarkWeight *
+                             std::max(counted, 1.0) / double(goal.from.size()) * Eigen::Matrix3d::Identity(),
                          warp.Basis(goal.from[l]), goal.to[l] - goal.from[l]);
             // Maximum a posteriori: typical bending is as likely as noise of this width, and so is typical strain. In
             // the first steps the width is larger, and the warp bends less.
@@ -251,6 +255,8 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *r
             if (hasStrain)
                 sums.Add(width * width / (goal.typicalStrain * goal.typicalStrain), strain);
             warp.coefficient = sums.Solution();
+            for (std::size_t l = 0; l < goal.from.size(); ++l)
+                off[l] = (warp.At(goal.from[l]) - goal.to[l]).norm();
             double moved = 0;
             for (std::size_t s = 0; s < places; ++s) {
                 const Eigen::Vector3d to = goal.place[s] + warp.coefficient * basis[s];

@@ -61,6 +61,7 @@ struct WarpGoal {
     std::function<WarpMatch(std::size_t place, const Eigen::Vector3d &at)> match;
     std::vector<Eigen::Vector3d> from, to; ///< landmarks
     double landmarkWeight = 1;             ///< of all landmarks together, over that of all matches
+    double landmarkNoise = 0;              ///< least error of landmarks that is assumed
     int degree = 3;
     double typicalBending = 1; ///< expected bending, radians over the diagonal: less is preferred, so far as data allow
     double typicalStrain =
@@ -78,8 +79,8 @@ struct WarpReport {
 };
 
 /// Finds the warp that takes places onto their counterparts, from stiff (degree 1) to soft. Each step matches anew, and
-/// minimises distances point to plane, with robust weights (Geman and McClure 1987). The more noise is left, the less
-/// the warp bends. \throw Cancelled
+/// minimises distances point to plane, with robust weights (Geman and McClure 1987). From degree 2 on, landmarks have
+/// such weights, too. The more noise is left, the less the warp bends. \throw Cancelled
 SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress = {}, WarpReport *report = nullptr);
 
 /// The mean of the smallest four fifths.
