@@ -130,7 +130,8 @@ SymmetrizedLayers symmetrizeLayer(MeshDocument &document, MeshModel &layer, cons
     vcg::fcd::CarryPose(view, normal, surface.handles, deformer, param.fit, progress.Slice(0.8, 0.9), result);
     vcg::fcd::PutPartners(*fitter, view, world, goal, made.report, result.position);
     const auto apart = [&](const vcg::fcd::PositionsRef &position, const Progress &part) {
-        return vcg::fcd::DistanceFromMirror(*fitter, view, normal, world, made.report.plane, position, part, weight);
+        return vcg::fcd::DistanceFromMirror(*fitter, view, normal, world, made.report.plane, matched, position, part,
+                                            weight);
     };
     made.before = apart(view.Positions(), progress.Slice(0.9, 0.92));
     made.after = apart(result.position, progress.Slice(0.92, 0.94));

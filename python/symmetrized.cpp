@@ -62,11 +62,12 @@ nb::tuple Fitting::symmetrize(const nb::dict &given, const std::optional<Rows> &
             vcg::fcd::Carrier(deformer, pose, part.threads).Apply(position, nullptr, part);
             return position;
         };
-        const auto apart = [&](const PositionsRef &position, const Progress &part) {
-            return vcg::fcd::DistanceFromMirror(*fitter, view, normal, world, found.plane, position, part, weight);
-        };
         std::vector<float> distance;
         std::vector<char> liesOn;
+        const auto apart = [&](const PositionsRef &position, const Progress &part) {
+            return vcg::fcd::DistanceFromMirror(*fitter, view, normal, world, found.plane, liesOn, position, part,
+                                                weight);
+        };
         fitter->Compare(*made.target, found.fit, carried(made.fitted, progress.Slice(0.7, 0.75)), distance, liesOn,
                         progress.Slice(0.75, 0.8));
         made.target = nullptr;

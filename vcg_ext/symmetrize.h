@@ -61,11 +61,12 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
                          const Eigen::Affine3d &world, const SymmetryGoal &goal, SymmetryReport &report,
                          const Progress &progress = {}, const WeightOf &weight = {});
 
-/// The distance of a surface from its mirror image, root mean square over its nearest nine tenths, world units.
+/// The distance of a surface from its mirror image, root mean square over the nearest nine tenths of what has a
+/// counterpart, world units; 0 if nothing has. \param matched flags of vertex slots: those that have a counterpart
 /// \param position 3 x vertex slots, mesh units \throw Cancelled
 double DistanceFromMirror(const Fitter &fitter, const SurfaceView &source, const NormalOf &normal,
-                          const Eigen::Affine3d &world, const MirrorPlane &plane, const PositionsRef &position,
-                          const Progress &progress = {}, const WeightOf &weight = {});
+                          const Eigen::Affine3d &world, const MirrorPlane &plane, const std::vector<char> &matched,
+                          const PositionsRef &position, const Progress &progress = {}, const WeightOf &weight = {});
 
 /// Moves landmarks that are vertices, by rounding only, so that each is exactly the mirror image of its partner.
 /// \param position in, out: 3 x vertex slots, mesh units: of SymmetricPose::half

@@ -232,8 +232,8 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
 }
 
 double DistanceFromMirror(const Fitter &fitter, const SurfaceView &source, const NormalOf &normal,
-                          const Eigen::Affine3d &world, const MirrorPlane &given, const PositionsRef &position,
-                          const Progress &progress, const WeightOf &weight) {
+                          const Eigen::Affine3d &world, const MirrorPlane &given, const std::vector<char> &matched,
+                          const PositionsRef &position, const Progress &progress, const WeightOf &weight) {
     const RegionDeformer &region = fitter.Surface().Whole();
     const Frame &frame = region.surface.frame;
     const MirrorPlane plane = InFrame(given, ToWorld(frame, world));
@@ -243,12 +243,12 @@ double DistanceFromMirror(const Fitter &fitter, const SurfaceView &source, const
     std::vector<double> far;
     const std::size_t step = std::max<std::size_t>(1, source.vertexSlots / places);
     for (std::size_t i = 0; i < source.vertexSlots; i += step)
-        if (!source.IsDeleted(i) && (!weight || weight(i) > 0)) {
+        if (!source.IsDeleted(i) && matched[i]) {
             const Eigen::Vector3d p = plane(frame.ToFrame(Eigen::Vector3d(position.col(Eigen::Index(i)))));
             far.push_back((itself->Nearest(p).point - p).norm());
         }
     std::sort(far.begin(), far.end());
-    far.resize(far.size() - far.size() / 10); // parts that are missing on one side are far from anything
+    far.resize(far.size() - far.size() / 10); // what is missing on one side may look matched near its border
     double squares = 0;
     for (double each : far)
         squares += each * each;

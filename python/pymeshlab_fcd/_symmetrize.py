@@ -33,7 +33,7 @@ class SymmetryInfo:
     is_sure: bool
     """False: the surface is nearly as much like its mirror image in another plane."""
     before: float
-    """Distance of the surface from its own mirror image, root mean square over the nearest nine tenths."""
+    """Distance of the surface from its own mirror image, root mean square over the nearest nine tenths of what has a counterpart."""
     after: float
     """The same for the result."""
     asymmetry: float

@@ -162,6 +162,18 @@ def test_what_is_symmetric_is_not_called_less_so_afterwards():
     assert not any("farther from its mirror image" in str(each.message) for each in told)
 
 
+def test_a_missing_part_is_not_less_symmetric_afterwards():
+    x, y = (grid.ravel() for grid in np.meshgrid(np.linspace(-1, 1, 41), np.linspace(-1, 1, 41)))
+    at = np.stack([x, y, 0.2 * np.cos(5 * x) * np.sin(3 * y) + 0.02 * x], 1)
+    kept = (x < 0.3) | (y < 0)
+    faces = np.array([three for i in range(40 * 41 - 1) if i % 41 < 40 for three in ((i, i + 1, i + 41), (i + 1, i + 42, i + 41))])
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        made = symmetrize(at[kept], (np.cumsum(kept) - 1)[faces[kept[faces].all(axis=1)]], plane=[[0, 0, 0], [1, 0, 0]]).symmetry
+    assert made.matched < 0.89 and made.after < 0.1 * made.before
+    assert not any("farther from its mirror image" in str(each.message) for each in told)
+
+
 def test_what_comes_out_less_symmetric_is_told():
     """A skull that is symmetric, and a pair that is none. (A plane beside the skull ends anywhere: the last bit decides.)"""
     at, faces = ball(40, 60)
