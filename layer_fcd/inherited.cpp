@@ -51,10 +51,12 @@ static Shape copyOf(const Shape &shape, const std::vector<std::size_t> &from, co
 
 std::optional<RestState> inheritedRest(const MeshModel &layer, const std::vector<const LayerState *> &others) {
     const CMeshO &mesh = layer.cm;
-    for (const LayerState *other : others) {
-        const RestState *their = other->rest ? &*other->rest : nullptr;
-        if (!their)
-            continue;
+    std::vector<const RestState *> all;
+    for (const LayerState *other : others)
+        for (const std::optional<RestState> *each : {&other->rest, &other->whole})
+            if (*each)
+                all.push_back(&**each);
+    for (const RestState *their : all) {
         const Matrix44m *matrix = nullptr;
         std::vector<std::size_t> from = copiedSlots(mesh, *their, matrix);
         if (from.empty() && !(their->matrix == Matrix44m::Identity()))

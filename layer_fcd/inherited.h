@@ -44,8 +44,10 @@ bool handDown(const MeshDocument &document, const LayerState &state, std::option
 /// \return whether a layer got them
 bool handDownRest(const MeshDocument &document, const LayerState &state);
 inline void handDownRest(const MeshDocument &document, const MeshModel &layer) {
-    if (const LayerState *state = LayerState::of(layer))
+    if (LayerState *state = LayerState::of(layer)) {
         handDownRest(document, *state);
+        state->whole.reset();
+    }
 }
 /// Call it before the layer, or its tags, are deleted: the same for colours and quality that are kept aside.
 bool handDownScan(const MeshDocument &document, const LayerState &state);

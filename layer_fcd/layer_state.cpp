@@ -290,6 +290,12 @@ void LayerState::resize(std::size_t n) {
 
 void LayerState::reorder(const std::vector<std::size_t> &newSlots) {
     leave([&](std::size_t slot) { return slot < newSlots.size() && newSlots[slot] == none; });
+    try {
+        if (rest && std::find(newSlots.begin(), newSlots.end(), none) != newSlots.end())
+            whole = rest;
+    } catch (const std::bad_alloc &) { // a moved part has no rest shape; the program goes on
+        whole.reset();
+    }
     forColumns(*this, [&](auto &values) {
         for (std::size_t i = 0; i < values.size() && i < newSlots.size(); ++i)
             if (newSlots[i] != none)

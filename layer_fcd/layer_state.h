@@ -161,9 +161,11 @@ struct MeasuredState {
 /// Through an attribute of the mesh, without memory, the host tells where it moves vertices; values per vertex slot
 /// here move with them.
 struct LayerState {
-    std::optional<RestState> rest;                  ///< none: it has never been posed in place
-    std::optional<KeptScan> scan;                   ///< none: no tags replace colours or quality
-    std::vector<int> marks;                         ///< tag - 1 per vertex slot; empty: none (kept_tool.h)
+    std::optional<RestState> rest;  ///< none: it has never been posed in place
+    std::optional<RestState> whole; ///< rest before vertices were deleted last, until the next pose: they may have been
+                                    ///< moved to a new layer
+    std::optional<KeptScan> scan;   ///< none: no tags replace colours or quality
+    std::vector<int> marks;         ///< tag - 1 per vertex slot; empty: none (kept_tool.h)
     std::optional<MeasuredState> measured;          ///< none: no filter here has measured its quality
     std::string appliedName;                        ///< of the attribute for the tool's tags; empty: none (kept_tool.h)
     std::optional<vcg::fcd::PoseSequence> poses;    ///< poses with names

@@ -700,6 +700,25 @@ def test_a_copy_of_a_posed_layer_goes_back_as_that_does(then):
     assert same_points(rest, fresh.current_mesh().vertex_matrix())
 
 
+@pytest.mark.parametrize("then", ["", "what is left is posed again", "what is left is reset", "what is left is deleted"])
+def test_a_part_that_is_moved_to_a_new_layer_goes_back(then):
+    """Some of its vertices stay in the old layer, too: those of faces on both sides."""
+    ms, rest = tagged_and_posed()
+    ms.compute_selection_by_condition_per_face(condselect=f"fi < {ms.current_mesh().face_number() // 2}")
+    ms.generate_from_selected_faces(deleteoriginal=True)
+    part = ms.current_mesh_id()
+    ms.set_current_mesh(0)
+    if "again" in then:
+        ms.apply_filter(POSE, translation=np.array([0, 0.1, 0]))
+    elif "reset" in then:
+        ms.apply_filter(RESET)
+    elif "deleted" in then:
+        ms.delete_current_mesh()
+    ms.set_current_mesh(part)
+    ms.apply_filter(RESET)
+    assert {tuple(p) for p in ms.current_mesh().vertex_matrix()} <= set(rest)
+
+
 @pytest.mark.parametrize("deleted", [False, True])
 def test_a_layer_with_a_matrix_is_merged_with_its_rest_shapes(deleted):
     """Hosts merge layers in the world."""
