@@ -509,6 +509,9 @@ def _table(parser: argparse.ArgumentParser, given: argparse.Namespace, outs: Map
         parser.error(told(error))
     mean = folder / "mean.ply"  # its source in the table is itself
     written = [*outs.items(), *([(mean, mean)] if getattr(given, "mean", None) else [])] if given.job != "info" else []
+    if not any(known.path.exists() for known in (table, *others.values())):  # no command has begun here
+        for there in (result for _, out in written for result in _results_of(given, out) if os.path.lexists(result)):
+            parser.error(f"{shown(there)} is there already, and no table there says that it is a result: move it, or give another folder")
     for path, out in written:
         for job, each in {given.job: table, **others}.items():
             for row in each.owners(out):
@@ -582,6 +585,8 @@ def _go(given: argparse.Namespace, outs: Mapping[Path, Path], keys: Mapping[Path
     failed = 0
     if table and rows:
         table.write()  # removes a row that an interrupt left unfinished
+    elif table:
+        table.path.touch()  # says that what is here from now on are results
     for number, (path, row) in enumerate(_done(given, left), len(done) + 1):
         failed += bool(row["error"])
         if table:  # before the output: what it reports is not done again

@@ -20,6 +20,7 @@ import pymeshlab_fcd as fcd
 from pymeshlab_fcd import Deformer, Motion, _files, _fit, _pose, _straighten, _symmetrize, _tables, read_curves
 from pymeshlab_fcd._batch import _parsers, _tried, main
 from pymeshlab_fcd._ply import Ply
+from pymeshlab_fcd._results import Table
 
 
 def refused(capsys, command):
@@ -59,6 +60,35 @@ def test_a_result_is_of_one_file_and_one_job(tmp_path, capsys, monkeypatch):
     assert main([*command, "--deformations", "--out", str(tmp_path / "p")]) == 0 and (tmp_path / "p" / "deformations" / "x.ply").exists()
     (tmp_path / "p" / "symmetrize.csv").write_text("my,own\n1,2\n")
     assert "is no table of results" in refused(capsys, ["symmetrize", tmp_path / "b" / "x.ply", "--out", tmp_path / "p"])
+
+
+def test_files_that_were_there_before_are_not_replaced(tmp_path, capsys):
+    vertices, faces, tags, _ = bar(9, 3)
+    for name in ("in", "own", "own/deformations"):
+        (tmp_path / name).mkdir()
+    write_ply(tmp_path / "in" / "x.ply", vertices, faces, tags)
+    command = ["deform", str(tmp_path / "in" / "x.ply"), "--move", "2", "translate 0 0 1", "--deformations", "--out", str(tmp_path / "own")]
+    for own in (tmp_path / "own" / "x.ply", tmp_path / "own" / "deformations" / "x.ply"):
+        own.write_bytes(b"mine")
+        assert f"{own} is there already, and no table there says that it is a result: move it" in refused(capsys, command)
+        assert own.read_bytes() == b"mine" and not (tmp_path / "own" / "deform.csv").exists()
+        own.unlink()
+    assert main(command) == 0
+
+
+def test_what_an_interrupted_command_left_is_replaced(tmp_path, monkeypatch):
+    """Also if its first file was done, and its row not yet written."""
+    vertices, faces, tags, _ = bar(9, 3)
+    write_ply(tmp_path / "x.ply", vertices, faces, tags)
+    command = ["deform", str(tmp_path / "x.ply"), "--move", "2", "translate 0 0 1", "--out", str(tmp_path / "o")]
+
+    def interrupted(*given):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Table, "add", interrupted)
+        assert main(command) == 130 and (tmp_path / "o" / "x.ply").exists()
+    assert main(command) == 0
 
 
 def test_files_are_known_wherever_they_are(tmp_path, capsys, monkeypatch):
