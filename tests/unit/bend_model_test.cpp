@@ -283,6 +283,21 @@ TEST(BendModel, AllOfALimbTurnsAtOneJoint) {
     EXPECT_LT(jointFrom({0.8, 0, thick(0.8)}, 50), 0.8) << "not beyond the mouse";
 }
 
+TEST(BendModel, AnswersDoNotDependOnEarlierQuestions) {
+    const Shape limb = Limb(0.08, 200, {0, 0, 0}, 1, 24);
+    Bent used(limb);
+    for (const double reach : {0.4, 0.2, 0.1, 0.3})
+        for (const double x : {0.5, -0.5}) {
+            Bent fresh(limb);
+            const std::size_t slot = used.nearest({x, 0, 0.08});
+            const auto is = used.reach.whole({slot}, reach, 0.01), expected = fresh.reach.whole({slot}, reach, 0.01);
+            EXPECT_EQ(is->around, expected->around);
+            EXPECT_EQ(is->core, expected->core);
+            EXPECT_EQ(is->share, expected->share);
+            EXPECT_EQ(used.reach.of({slot}, reach / 2), expected->core);
+        }
+}
+
 TEST(BendModel, AHeadAsThickAsItsNeckIsALimb) {
     // A body 0.9 thick, from x = 0.2 on a neck and head 0.4 thick, with a round end: nothing can lie beyond a handle.
     const auto round = [](double x) { return std::sqrt(std::max(0.0, 0.04 - std::pow(std::max(0.0, x - 0.8), 2))); };

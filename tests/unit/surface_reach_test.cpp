@@ -38,6 +38,15 @@ TEST(SurfaceReach, FindsWhatTheShortestWayReaches) {
         }
         for (Index u = 0; u < n; ++u)
             EXPECT_EQ(bool(isIn[std::size_t(u)]), distance[std::size_t(u)] <= radius) << u;
+        std::size_t left = (found.size() + 1) / 2;
+        const auto isMore = [&](Index u, double far) {
+            EXPECT_EQ(far, distance[std::size_t(u)]);
+            return --left > 0;
+        };
+        std::vector<double> few;
+        const std::vector<Index> first = NodesWithin(graph, {7, 90, 7}, radius, Ways::Edges, &few, isMore);
+        EXPECT_EQ(first, std::vector<Index>(found.begin(), found.begin() + std::ptrdiff_t(found.size() + 1) / 2));
+        EXPECT_EQ(few.size(), first.size());
     }
 }
 

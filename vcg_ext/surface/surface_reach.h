@@ -4,6 +4,7 @@
 
 #include <vcg_ext/base/graph.h>
 
+#include <functional>
 #include <vector>
 
 namespace vcg::fcd {
@@ -16,8 +17,10 @@ enum class Ways {
 
 /// The nodes within \p radius of one of \p seeds, nearest first; seeds are among them.
 /// \param radius units of graph.position, >= 0 \param distances out: of each of them; may be null
+/// \param goesOn called with each of them and its distance; the search ends when it returns false. Null: always true
 std::vector<Index> NodesWithin(const Graph &graph, const std::vector<Index> &seeds, double radius, Ways ways,
-                               std::vector<double> *distances = nullptr);
+                               std::vector<double> *distances = nullptr,
+                               const std::function<bool(Index, double)> &goesOn = nullptr);
 
 } // namespace vcg::fcd
 

@@ -247,7 +247,7 @@ double BendReach::closingRadius(std::size_t slot, double usual) {
     return closings[{slot, usual}] = findClosingRadius(slot, usual);
 }
 
-double BendReach::findClosingRadius(std::size_t slot, double usual) const {
+double BendReach::findClosingRadius(std::size_t slot, double usual) {
     const vcg::fcd::Graph &graph = surface->graph;
     std::vector<double> distances;
     const std::vector<vcg::fcd::Index> ball = nodesWithin({slot}, (1 + lengthOfGirth) * usual, &distances);

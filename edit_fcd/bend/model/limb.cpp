@@ -5,8 +5,9 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
-// Where a limb begins, and where it bends along a stroke.
+// Where a limb begins.
 
 // At the root of a limb, where it meets the body, the surface around a cross-section grows by this factor within the
 // limb's thickness. A thigh or a tail, which widens all along, grows less in that: a cone of up to 40 degrees.
@@ -26,10 +27,6 @@ const double quickPart = 6, leastFlat = 0.8;
 // Distance of the farthest one, over the radius of the ball that closes around the limb at the vertex. A limb that is
 // much thinner has no vertex beyond.
 const double farOfCut = 0.75;
-
-// The largest radius for one limb, over that at another place: a hand is wider than its wrist, but hardly twice as
-// wide.
-const double widest = 2;
 
 const float leastShare = 0.5; // of a vertex that turns with its limb, and does not rather stay
 
@@ -57,6 +54,7 @@ std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual,
     wait();
     if (surface->nodeOf[slot] < 0)
         return {};
+    const double cut = closingRadius(slot, usual), most = cut > 0 ? farOfCut * cut : usual / 4;
     // Near the end of a limb, nothing lies beyond the vertex. Then it may lie beyond another one, towards the body.
     std::vector<double> distances;
     const std::vector<vcg::fcd::Index> ball = nodesWithin({slot}, usual, &distances);
@@ -69,7 +67,6 @@ std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual,
         const bool isBeyond = whole({before}, radius, hair)->shareOf(slot) == 1;
         return isBeyond ? rootBefore(before, radius, pointed) : std::nullopt;
     };
-    const double cut = closingRadius(slot, usual), most = cut > 0 ? farOfCut * cut : usual / 4;
     double next = usual / nearestPart;
     const auto rootTowardsBody = [&](double upTo) -> std::optional<std::size_t> {
         while (next < upTo) {
@@ -112,7 +109,7 @@ std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual,
 
 /// Twice the thickness of a limb at its end, where a ball of the usual radius reaches around it; world units. 0: the
 /// vertex is at no such end.
-double BendReach::radiusAtEnd(std::size_t slot, double usual) const {
+double BendReach::radiusAtEnd(std::size_t slot, double usual) {
     std::vector<double> distances;
     const std::vector<vcg::fcd::Index> ball = nodesWithin({slot}, usual, &distances);
     const double unit = usual / surface->frame.scale, ring = unit / ringsOfRadius;
@@ -188,6 +185,21 @@ static std::vector<float> smoothed(const std::vector<float> &area) {
     return mean;
 }
 
+/// The last section of a limb. \param area of sections, from its tip on \param start that of a vertex of the limb
+/// \param most largest area of a limb
+static std::size_t lastSection(const std::vector<float> &area, std::size_t start, float most) {
+    float before = std::accumulate(area.begin(), area.begin() + std::ptrdiff_t(start) + 1, 0.f);
+    const std::vector<float> smooth = smoothed(area);
+    const auto growthAt = [&](std::size_t k) {
+        return k > leastSections ? smooth[k] / smooth[k - binsOfThickness] : 0;
+    };
+    std::size_t end = start;
+    const auto isThick = [&](std::size_t k) { return growthAt(k) > thicker; };
+    while (end + 1 < area.size() && !isThick(end + 1) && before + area[end + 1] <= most)
+        before += area[++end];
+    return end;
+}
+
 /// The same for a vertex of the limb, if something of it lies beyond. \param pointed the vertex that is to turn
 std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double radius, const Pointed &pointed) {
     const vcg::fcd::Index own = surface->nodeOf[slot];
@@ -197,124 +209,60 @@ std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double radius
     const vcg::fcd::Graph &graph = surface->graph;
     const double all = std::numeric_limits<double>::infinity();
     std::vector<char> isBeyond(std::size_t(graph.Size()), 0);
+    std::size_t left = 0; // nodes beyond that are not met
     for (const std::size_t i : grip->beyond)
-        if (surface->nodeOf[i] >= 0)
-            isBeyond[std::size_t(surface->nodeOf[i])] = 1;
-    const std::vector<vcg::fcd::Index> fromHere = vcg::fcd::NodesWithin(graph, {own}, all, vcg::fcd::Ways::Surface);
-    const auto tip = std::find_if(fromHere.rbegin(), fromHere.rend(),
-                                  [&](vcg::fcd::Index u) { return isBeyond[std::size_t(u)] != 0; });
-    if (tip == fromHere.rend())
+        if (const vcg::fcd::Index u = surface->nodeOf[i];
+            u >= 0 && !isBeyond[std::size_t(u)] && partOf[std::size_t(u)] == partOf[std::size_t(own)]) {
+            isBeyond[std::size_t(u)] = 1;
+            ++left;
+        }
+    if (left == 0)
         return {};
-    // A cross-section is at one distance from the tip.
-    std::vector<double> distances;
-    const std::vector<vcg::fcd::Index> fromTip =
-        vcg::fcd::NodesWithin(graph, {*tip}, all, vcg::fcd::Ways::Surface, &distances);
-    const double bin = radius / surface->frame.scale / (2 * binsOfThickness); // the radius is two thicknesses
-    std::vector<std::size_t> section(isBeyond.size(), 0);
-    std::vector<float> area(1, 0);
-    float total = 0;
-    for (std::size_t k = 0; k < fromTip.size(); ++k) {
-        const auto u = std::size_t(fromTip[k]);
-        section[u] = std::size_t(distances[k] / bin);
-        area.resize(std::max(area.size(), section[u] + 1), 0);
-        area[section[u]] += surface->nodeArea[u];
-        total += surface->nodeArea[u];
-    }
-    const std::size_t start = section[std::size_t(own)];
-    float before = 0;
-    for (std::size_t k = 0; k <= start; ++k)
-        before += area[k];
-    std::size_t root = start;
-    const std::vector<float> smooth = smoothed(area);
-    const auto isThick = [&](std::size_t k) {
-        return k > leastSections && smooth[k] > thicker * smooth[k - binsOfThickness];
+    const auto isMore = [&](vcg::fcd::Index u, double) {
+        left -= std::size_t(isBeyond[std::size_t(u)]);
+        return left > 0;
     };
-    while (root + 1 < area.size() && !isThick(root + 1) && before + area[root + 1] <= largestLimb * total)
-        before += area[++root];
+    const std::vector<vcg::fcd::Index> fromHere =
+        vcg::fcd::NodesWithin(graph, {own}, all, vcg::fcd::Ways::Surface, nullptr, isMore);
+    const vcg::fcd::Index tip = fromHere.back();
+    // A cross-section is at one distance from the tip. They are counted up to the first one that is no limb's.
+    const double bin = radius / surface->frame.scale / (2 * binsOfThickness); // the radius is two thicknesses
+    const std::size_t none = std::numeric_limits<std::size_t>::max();
+    std::vector<std::size_t> section(isBeyond.size(), none);
+    std::vector<float> area(1, 0);
+    const float most = largestLimb * partArea[std::size_t(partOf[std::size_t(own)])];
+    float met = 0;
+    std::size_t last = none;
+    vcg::fcd::NodesWithin(graph, {tip}, all, vcg::fcd::Ways::Surface, nullptr, [&](vcg::fcd::Index u, double far) {
+        const std::size_t at = section[std::size_t(u)] = std::size_t(far / bin);
+        area.resize(std::max(area.size(), at + 1), 0);
+        area[at] += surface->nodeArea[std::size_t(u)];
+        met += surface->nodeArea[std::size_t(u)];
+        if (met > most && section[std::size_t(own)] != none)
+            last = std::min(last, at + 1); // the next one is for the mean
+        return at <= last;
+    });
+    const std::size_t start = section[std::size_t(own)];
+    const std::size_t root = lastSection(area, start, most);
     // The joint of a handle is about the limb's thickness away from it. If that turns more than the limb, such as a
     // leg with the tail, another one is tried, towards the end.
     const std::size_t first = root - std::min<std::size_t>(root, binsOfThickness * (1 + pointed.nearer));
-    for (std::size_t at = first + 1; at-- > std::min(start, first);) {
-        const auto there = std::find_if(fromHere.begin(), fromHere.end(),
-                                        [&](vcg::fcd::Index u) { return section[std::size_t(u)] == at; });
-        if (there != fromHere.end() && // faces may be longer than a section
+    const std::size_t low = std::min(start, first);
+    std::vector<vcg::fcd::Index> nearest(first + 1 - low, -1); // of each section
+    left = nearest.size();
+    const auto isMissing = [&](vcg::fcd::Index u, double = 0) {
+        const std::size_t at = section[std::size_t(u)];
+        if (low <= at && at <= first && nearest[at - low] < 0) {
+            nearest[at - low] = u;
+            --left;
+        }
+        return left > 0;
+    };
+    if (std::all_of(fromHere.begin(), fromHere.end(), isMissing))
+        vcg::fcd::NodesWithin(graph, {own}, all, vcg::fcd::Ways::Surface, nullptr, isMissing);
+    for (auto there = nearest.rbegin(); there != nearest.rend(); ++there)
+        if (*there >= 0 && // faces may be longer than a section
             radiusAt(slotOf(*there), pointed.usual) <= widest * radius && turnsOneLimb(slotOf(*there), pointed))
             return slotOf(*there);
-    }
     return turnsOneLimb(slot, pointed) ? std::optional(slot) : std::nullopt;
-}
-
-// First guess of a joint's distance from its handle, over the radius: the middle between the radius and the core. On a
-// limb, the other side is nearer; rounds correct that.
-const double toJoint = 0.75;
-
-// Factor from one radius to the next, if one does not reach around the limb beyond the joint.
-const double wider = 1.2;
-
-const int roundsToJoint = 3; // then the joint is off by a tenth of the thickness
-
-/// The node at distance \p ahead from another one, on the way to an end, or beyond that. \param left distance of each
-/// node from the end \return -1: the surface ends before
-vcg::fcd::Index BendReach::along(vcg::fcd::Index from, double ahead, const std::vector<double> &left) const {
-    const vcg::fcd::Graph &graph = surface->graph;
-    const std::vector<vcg::fcd::Index> ball = vcg::fcd::NodesWithin(graph, {from}, ahead, vcg::fcd::Ways::Surface);
-    std::vector<char> isIn(left.size(), 0);
-    for (const vcg::fcd::Index u : ball)
-        isIn[std::size_t(u)] = 1;
-    vcg::fcd::Index found = -1;
-    for (const vcg::fcd::Index u : ball) {
-        const auto near = graph.adjacency[u];
-        const bool isEdge =
-            std::any_of(near.begin(), near.end(), [&](vcg::fcd::Index v) { return !isIn[std::size_t(v)]; });
-        if (isEdge && (found < 0 || left[std::size_t(u)] < left[std::size_t(found)]))
-            found = u;
-    }
-    // A node on the other side would be farther from the end by that distance.
-    return found >= 0 && left[std::size_t(found)] < std::max(ahead, left[std::size_t(from)]) ? found : -1;
-}
-
-std::pair<std::shared_ptr<const BendExtent>, bool> BendReach::beyond(std::size_t from, std::size_t to, double usual,
-                                                                     double hair) {
-    wait();
-    from = carrierOf(from, hair);
-    to = carrierOf(to, hair);
-    const vcg::fcd::Index first = surface->nodeOf[from], last = surface->nodeOf[to];
-    const double scale = surface->frame.scale, none = std::numeric_limits<double>::infinity();
-    std::vector<double> left(std::size_t(surface->graph.Size()), none), distances;
-    if (first < 0 || last < 0)
-        return {};
-    const std::vector<vcg::fcd::Index> fromEnd =
-        vcg::fcd::NodesWithin(surface->graph, {last}, none, vcg::fcd::Ways::Surface, &distances);
-    for (std::size_t k = 0; k < fromEnd.size(); ++k)
-        left[std::size_t(fromEnd[k])] = distances[k];
-    const double length = scale * left[std::size_t(first)], least = radiusAt(from, usual);
-    if (length == 0 || length == none)
-        return {};
-    const bool isLimb = closingRadius(from, usual) > 0; // then the radius is twice its thickness
-    const auto placeOf = [&](vcg::fcd::Index u) { return surface->graph.position.col(u).cast<double>(); };
-    std::shared_ptr<const BendExtent> found;
-    double radius = isLimb ? least : none;
-    while (!found && radius <= widest * least) {
-        double ahead = toJoint * radius / scale;
-        for (int k = 0; k < roundsToJoint; ++k) {
-            const vcg::fcd::Index node = along(first, ahead, left);
-            const auto made = node < 0 ? nullptr : whole({slotOf(node)}, radius, hair);
-            if (!made || !made->bends || made->shareOf(to) == 0)
-                break; // the ball does not reach around the limb
-            const Eigen::Vector3d offset = placeOf(node) - placeOf(first),
-                                  off = surface->frame.ToFrame(*made->bends) - placeOf(first);
-            if (off.dot(offset) >= offset.squaredNorm())
-                break; // the handle would hold the other side
-            found = made;
-            // A stroke may also run around the limb: what counts is the way along it.
-            const Eigen::Vector3d towards = offset.normalized(), &axis = made->axis;
-            const double advance = axis.dot(towards);
-            ahead -= advance > 0.5 * axis.norm() ? off.dot(axis) / advance : off.dot(towards);
-        }
-        radius *= wider;
-    }
-    if (found || (isLimb && length > least)) // else the end is near: all that lies beyond
-        return {found, true};
-    found = whole({to}, length / toJoint, hair);
-    return {found->shareOf(from) < 1 ? found : nullptr, false};
 }

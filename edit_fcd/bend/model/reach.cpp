@@ -76,6 +76,7 @@ void BendReach::clear() {
     from.clear();
     reached.clear();
     closings.clear();
+    balls.clear();
     extents.clear();
 }
 
@@ -120,13 +121,28 @@ std::vector<char> BendReach::nodesOf(const std::vector<char> &isIn) const {
 }
 
 std::vector<vcg::fcd::Index> BendReach::nodesWithin(const std::vector<std::size_t> &vertices, double radius,
-                                                    std::vector<double> *distances) const {
-    std::vector<vcg::fcd::Index> seeds;
+                                                    std::vector<double> *distances) {
+    Ball sought{{}, radius / surface->frame.scale, {}, {}};
     for (const std::size_t slot : vertices)
         if (surface->nodeOf[slot] >= 0)
-            seeds.push_back(surface->nodeOf[slot]);
-    return vcg::fcd::NodesWithin(surface->graph, seeds, radius / surface->frame.scale, vcg::fcd::Ways::Surface,
-                                 distances);
+            sought.middle.push_back(surface->nodeOf[slot]);
+    auto found = std::find_if(balls.begin(), balls.end(), [&](const Ball &each) {
+        return each.radius >= sought.radius && each.middle == sought.middle;
+    });
+    if (found == balls.end()) {
+        sought.nodes = vcg::fcd::NodesWithin(surface->graph, sought.middle, sought.radius, vcg::fcd::Ways::Surface,
+                                             &sought.distances);
+        if (balls.size() >= mostBalls)
+            balls.pop_back();
+        found = balls.insert(balls.begin(), std::move(sought));
+    } else {
+        balls.splice(balls.begin(), balls, found);
+    }
+    const auto &far = found->distances; // a smaller ball has the first nodes of a larger one
+    const auto end = std::upper_bound(far.begin(), far.end(), radius / surface->frame.scale) - far.begin();
+    if (distances)
+        distances->assign(far.begin(), far.begin() + end);
+    return {found->nodes.begin(), found->nodes.begin() + end};
 }
 
 const std::vector<std::size_t> &BendReach::of(const std::vector<std::size_t> &vertices, double radius) {

@@ -154,17 +154,20 @@ class BendReach {
     /// Radius of the smallest ball around a vertex that closes around its limb, world units; 0: the vertex is on no
     /// limb, or near its end. \param usual the largest radius
     double closingRadius(std::size_t slot, double usual);
-    double findClosingRadius(std::size_t slot, double usual) const;
+    double findClosingRadius(std::size_t slot, double usual);
     /// The radius of a handle on a limb, over the closing radius. That ball reaches half around the limb, pi / 2 times
     /// the thickness. A radius of twice the thickness leaves a strip as wide as the limb is thick to bend.
     static constexpr double radiusOfClosing = 4 / EIGEN_PI;
+    /// The largest radius for one limb, over that at another place: a hand is wider than its wrist, but hardly twice as
+    /// wide.
+    static constexpr double widest = 2;
     struct Pointed {
         std::size_t slot;
         double usual, hair; ///< as in rootOfLimb(), as is nearer
         std::size_t nearer;
     };
     bool turnsOneLimb(std::size_t root, const Pointed &at);
-    double radiusAtEnd(std::size_t slot, double usual) const;
+    double radiusAtEnd(std::size_t slot, double usual);
     bool isRoundEnd(std::size_t slot, const Pointed &at);
     std::optional<std::size_t> endOfShortLimb(const Pointed &at);
     std::optional<std::size_t> rootBefore(std::size_t slot, double radius, const Pointed &pointed);
@@ -187,7 +190,7 @@ class BendReach {
     std::vector<char> tipNodes(std::vector<char> isNodeIn) const;
     std::vector<char> looseNodes(const std::vector<char> &isNodeIn, double hair) const;
     std::vector<vcg::fcd::Index> nodesWithin(const std::vector<std::size_t> &vertices, double radius,
-                                             std::vector<double> *distances = nullptr) const;
+                                             std::vector<double> *distances = nullptr);
     std::vector<std::size_t> slotsOf(const std::vector<char> &isNodeIn) const;
 
     Source source;
@@ -208,6 +211,14 @@ class BendReach {
     float areaOfAll = 0;                                   ///< frame units^2
     std::vector<std::size_t> reached, from;                ///< result and argument of the last call of of()
     double within = 0;
+    struct Ball {
+        std::vector<vcg::fcd::Index> middle;
+        double radius; ///< frame units, as are distances
+        std::vector<vcg::fcd::Index> nodes;
+        std::vector<double> distances;
+    };
+    static constexpr std::size_t mostBalls = 4;
+    std::list<Ball> balls;                                     ///< results of nodesWithin(), the last used one first
     std::map<std::pair<std::size_t, double>, double> closings; ///< results of closingRadius()
     std::size_t mostExtents = 24; ///< as many as a user has handles; each is some megabytes for a large layer
     std::list<std::shared_ptr<BendExtent>> extents; ///< a cache, the last used one first
