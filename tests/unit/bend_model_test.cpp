@@ -283,6 +283,23 @@ TEST(BendModel, AllOfALimbTurnsAtOneJoint) {
     EXPECT_LT(jointFrom({0.8, 0, thick(0.8)}, 50), 0.8) << "not beyond the mouse";
 }
 
+TEST(BendModel, ALimbMayWidenSlowlyIntoTheBody) {
+    // A head on a neck 0.1 thick, on shoulders that slope by 17 degrees to the side.
+    const auto thick = [](double x) {
+        const double head = std::sqrt(std::max(1e-6, 0.04 - std::pow(x - 0.8, 2))) / 2;
+        return x < 0.4 ? std::min(0.2, 0.05 + 0.3 * (0.4 - x)) : x < 0.8 ? std::max(0.05, head) : head;
+    };
+    Bent bent(TurnedBody(thick));
+    for (const double x : {0.65, 0.8, 0.95}) {
+        const std::size_t slot = bent.nearest({x, 0, thick(x)});
+        const auto root = bent.reach.rootOfLimb(slot, 0.3, 0.01);
+        ASSERT_TRUE(root) << x;
+        const auto extent = bent.reach.whole({*root}, bent.reach.radiusAt(*root, 0.3), 0.01);
+        ASSERT_TRUE(extent->joint) << x;
+        EXPECT_LT(thick((*extent->joint)[0]), 0.1) << "half as thick as the body: it was 0.13";
+    }
+}
+
 TEST(BendModel, AnswersDoNotDependOnEarlierQuestions) {
     const Shape limb = Limb(0.08, 200, {0, 0, 0}, 1, 24);
     Bent used(limb);
