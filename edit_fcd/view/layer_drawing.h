@@ -17,7 +17,6 @@ class DrawnVertices {
 
     /// The number of the vertex at slot \p i.
     std::uint32_t operator()(std::size_t i);
-    bool has(std::size_t i) const { return place[i] != none; }
     /// Forgets all; takes time for these only.
     void clear();
 

@@ -82,6 +82,8 @@ void BendReach::clear() {
 
 /// The slots of nodes, ascending.
 std::vector<std::size_t> BendReach::slotsOf(const std::vector<char> &isNodeIn) const {
+    if (std::find(isNodeIn.begin(), isNodeIn.end(), 1) == isNodeIn.end())
+        return {};
     const std::size_t all = surface->nodeOf.size();
     std::uint64_t eight = 0; // tests eight flags at a time: mostly, few are set
     std::vector<char> isIn(all + sizeof(eight), 0);
@@ -134,10 +136,9 @@ std::vector<vcg::fcd::Index> BendReach::nodesWithin(const std::vector<std::size_
                                              &sought.distances);
         if (balls.size() >= mostBalls)
             balls.pop_back();
-        found = balls.insert(balls.begin(), std::move(sought));
-    } else {
-        balls.splice(balls.begin(), balls, found);
+        found = balls.insert(balls.end(), std::move(sought));
     }
+    balls.splice(balls.begin(), balls, found);
     const auto &far = found->distances; // a smaller ball has the first nodes of a larger one
     const auto end = std::upper_bound(far.begin(), far.end(), radius / surface->frame.scale) - far.begin();
     if (distances)
@@ -226,13 +227,10 @@ void BendReach::take(std::unique_ptr<vcg::fcd::SurfaceGraph> read) {
             area += surface->nodeArea[std::size_t(v)];
         partArea.push_back(area);
     }
+    areaOfAll = std::accumulate(partArea.begin(), partArea.end(), 0.f);
     middleOfAll.setZero();
-    areaOfAll = 0;
-    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
-        middleOfAll += surface->nodeArea[std::size_t(u)] * graph.position.col(u);
-        areaOfAll += surface->nodeArea[std::size_t(u)];
-    }
-    middleOfAll /= areaOfAll;
+    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u)
+        middleOfAll += surface->nodeArea[std::size_t(u)] * graph.position.col(u) / areaOfAll;
 }
 
 std::size_t BendReach::carrierOf(std::size_t slot, double hair) {

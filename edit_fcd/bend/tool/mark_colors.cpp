@@ -7,6 +7,7 @@
 #include <layer_fcd/tagging.h>
 
 #include <algorithm>
+#include <array>
 
 const unsigned char opacity = 150;     // of marks and stretch, of 255: the surface shows through
 const unsigned char alongOpacity = 60; // of vertices that only move along, and can be pulled
@@ -106,19 +107,17 @@ std::optional<MarkColors::Tint> MarkColors::tint(BendSession &session) {
     for (std::size_t k = 0; k < colored.size(); ++k)
         set(colored[k], colorOf[k]);
     forPreview(session, set);
-    const auto isSeen = [&](std::size_t i) { return placeOf.has(i) && tint.color[placeOf(i)][3] > 0; };
     const std::size_t known = tint.color.size();
-    for (std::size_t j = 0; j < known; ++j) {
-        const std::uint32_t own = placeOf.slot[j];
+    const auto isSeen = [&](std::uint32_t at) { return at < known && tint.color[at][3] > 0; };
+    tint.element.reserve(6 * known); // about two triangles for each vertex
+    for (std::size_t j = 0; j < known; ++j)
         if (tint.color[j][3] > 0)
-            faces->forEach(own, [&](const std::uint32_t *corner) {
-                if (*std::find_if(corner, corner + 3, isSeen) != own)
-                    return; // another vertex lists this face
-                for (int k = 0; k < 3; ++k)
-                    tint.element.push_back(placeOf(corner[k]));
-                tint.color.resize(placeOf.slot.size(), vcg::Color4b(0, 0, 0, 0));
+            faces->forEach(placeOf.slot[j], [&](const std::uint32_t *corner) {
+                const std::array<std::uint32_t, 3> at = {placeOf(corner[0]), placeOf(corner[1]), placeOf(corner[2])};
+                if (*std::find_if(at.begin(), at.end(), isSeen) == j) // else another vertex lists this face
+                    tint.element.insert(tint.element.end(), at.begin(), at.end());
             });
-    }
+    tint.color.resize(placeOf.slot.size(), vcg::Color4b(0, 0, 0, 0));
     if (!tint.element.empty()) // without triangles, points would be drawn
         tint.slot = placeOf.slot;
     placeOf.clear();
