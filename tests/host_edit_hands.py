@@ -1268,6 +1268,46 @@ def test_the_wheel_takes_a_joint_nearer_to_the_mouse(window, tmp_path):
     assert np.abs(back - root).max() < 1e-4
 
 
+def test_a_bent_limb_turns_where_it_is_bent(window, tmp_path):
+    """A drag of the forearm turns it at the elbow, also after the shoulder was turned; wheel up: at the shoulder."""
+    straight, faces = tube_of(np.linspace(-1, 1, 300), 32, 0.08)
+    x, y, z = straight.T
+    thick = np.where(x < 0, 3, 1)
+    ways = np.linspace(0, 1, 1001)
+    turn = lambda at: np.radians(60) * np.clip((at - 0.5) / 0.06 + 0.5, 0, 1)
+    line = np.cumsum([np.cos(turn(ways)), -np.sin(turn(ways))], 1) / 1000
+    middle = [np.minimum(x, 0) + np.interp(x, ways, line[0]) * (x > 0), np.interp(x, ways, line[1]) * (x > 0)]
+    points = np.stack([middle[0] + thick * y * np.sin(turn(x)), middle[1] + thick * y * np.cos(turn(x)), thick * z], 1).astype(np.float32)
+    w = window(write_ply(tmp_path / "figure.ply", points, faces))
+    w.start_tool(mode=None)
+    center, scale = (points.min(0) + points.max(0)) / 2, 285 * 2.11 / np.linalg.norm(np.ptp(points, axis=0))
+    seen = lambda now, at: tuple((np.array([X, Y]) + scale * (now[at] - center)[:2] * [1, -1]).round().astype(int))
+    nearest = lambda at: np.argmin(abs(x - at) + abs(y) + (z < 0))
+    part = lambda begin, end: (begin < x) & (x < end)
+    upper, fore = part(0.2, 0.4), part(0.65, 0.95)
+
+    def drag(name, now, at, by, wheel=()):
+        begin = seen(now, nearest(at))
+        w.press_and_move(begin, (begin[0] + by[0], begin[1] + by[1]))
+        for button in wheel:
+            w.do("click", button)
+        w.shot(name)
+        w.do("mouseup", 1)
+        return load(w.save(name + ".ply"))[0]
+
+    at_elbow = drag("at_elbow", points, 0.85, (40, -20))
+    assert turned_by(points[fore], at_elbow[fore]) > 8 and np.abs(at_elbow - points)[upper | part(-1, 0)].max() < 0.01
+    w.key("ctrl+z")
+    at_shoulder = drag("at_shoulder", points, 0.85, (40, -20), [4])
+    assert turned_by(points[upper], at_shoulder[upper]) > 4
+    assert abs(turned_by(points[upper | fore], at_shoulder[upper | fore]) - turned_by(points[upper], at_shoulder[upper])) < 1 # as one
+    w.key("ctrl+z")
+    shoulder = drag("shoulder", points, 0.35, (0, -25))
+    assert turned_by(points[upper], shoulder[upper]) > 8
+    elbow = drag("elbow", shoulder, 0.85, (40, -20))
+    assert turned_by(shoulder[fore], elbow[fore]) > 8 and w.text().count("Handle 3: turn") > 0
+
+
 def test_a_far_drag_of_a_limb_folds_nothing(window, tmp_path):
     """Sideways by more than it is long, to its joint, where it turns to the eye, and away from it: by a press and a drag, without a key."""
     w, points, faces, body = open_figure(window, tmp_path, mode=None)

@@ -300,6 +300,51 @@ TEST(BendModel, ALimbMayWidenSlowlyIntoTheBody) {
     }
 }
 
+namespace {
+
+/// An arm 0.16 thick that is bent in its middle, on a body three times as thick. \param isRound it is bent all along
+Shape BentArm(double degrees, bool isRound) {
+    Shape figure = Limb(1, 300, {0, 0, 0}, 1, 32);
+    const double bend = degrees * EIGEN_PI / 180, middle = 0.5, width = isRound ? 0.9 : 0.06;
+    for (Eigen::Vector3d &p : figure.position) {
+        const double x = p[0], thick = x < 0 ? 0.24 : x < 0.05 ? 0.24 - 3.2 * x : 0.08;
+        Eigen::Vector3d at(std::min(x, 0.), 0, 0);
+        double turn = 0;
+        const int steps = 200;
+        for (int k = 0; k < steps && x > 0; ++k) {
+            turn = bend * std::clamp(((k + 0.5) * x / steps - middle) / width + 0.5, 0., 1.);
+            at += x / steps * Eigen::Vector3d(std::cos(turn), std::sin(turn), 0);
+        }
+        p = at + thick * (p[1] * Eigen::Vector3d(-std::sin(turn), std::cos(turn), 0) + p[2] * Eigen::Vector3d::UnitZ());
+    }
+    return figure;
+}
+
+} // namespace
+
+TEST(BendModel, ABentLimbTurnsWhereItIsBent) {
+    const double usual = 0.3;
+    const auto fromRoot = [&](double degrees, bool isRound, int nearer, double x) {
+        const Shape arm = BentArm(degrees, isRound);
+        Bent bent(arm);
+        const auto slot = std::size_t((x + 1) / 2 * 299) * 32;
+        const auto root = bent.reach.rootOfLimb(slot, usual, 0.01, nearer);
+        EXPECT_TRUE(root) << degrees << ", " << x;
+        const auto joint =
+            bent.reach.whole({root.value_or(0)}, bent.reach.radiusAt(root.value_or(0), usual), 0.01)->joint;
+        EXPECT_TRUE(joint) << degrees << ", " << x;
+        return joint.value_or(Eigen::Vector3d::Zero()).norm();
+    };
+    for (const double x : {0.75, 0.85, 0.95}) {
+        for (const double degrees : {40., 60.})
+            EXPECT_NEAR(fromRoot(degrees, false, 0, x), 0.5, 0.1) << degrees << " from " << x << ": the elbow";
+        EXPECT_LT(fromRoot(60, false, BendReach::wholeLimb, x), 0.25) << "the shoulder";
+        EXPECT_LT(fromRoot(0, false, 0, x), 0.25) << "straight";
+        EXPECT_LT(fromRoot(60, true, 0, x), 0.25) << "a tail has no joint";
+    }
+    EXPECT_LT(fromRoot(60, false, 0, 0.3), 0.25) << "the upper arm";
+}
+
 TEST(BendModel, AnswersDoNotDependOnEarlierQuestions) {
     const Shape limb = Limb(0.08, 200, {0, 0, 0}, 1, 24);
     Bent used(limb);

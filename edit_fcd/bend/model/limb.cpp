@@ -4,6 +4,7 @@
 #include <vcg_ext/surface/surface_reach.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -44,6 +45,12 @@ const int binsOfThickness = 2; // cross-sections for each thickness of a limb
 // Of a limb, at least: its end is round, so that the first ones are small.
 const std::size_t leastSections = 2 * std::size_t(binsOfThickness);
 
+// A limb has a joint where the line through the middles of its sections turns by this many degrees from one thickness
+// to the next, and by less than restOfBend of that a thickness before and behind. A straight limb seems to turn by up
+// to 9; a tail that is bent all along turns by up to 20, but by about as much beside. An elbow shows two thirds of its
+// bend.
+const double leastBend = 18, restOfBend = 0.7;
+
 // A vertex is pointed if the area within the usual radius is less than this share of a flat disc's. The corner of a
 // cube has 0.75 of it, the tip of a cone with an angle of 80 degrees 0.64.
 const double leastFlatEnd = 0.65;
@@ -54,7 +61,7 @@ const double leastInside = 0.125;
 
 const double nearestEnd = 4; // an end is farther from the center than all within that fraction of the usual radius
 
-std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual, double hair, std::size_t nearer) {
+std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual, double hair, int nearer) {
     wait();
     if (surface->nodeOf[slot] < 0)
         return {};
@@ -211,6 +218,27 @@ static std::size_t lastSection(const std::vector<float> &area, std::size_t start
     return slowEnd && !isThick(end + 1) ? *slowEnd : end;
 }
 
+/// The first section with a joint, of those between two; none if there is none. \param sum of sections, from the tip
+/// on: of area times place, and of area
+static std::optional<std::size_t> jointBetween(std::size_t start, std::size_t end,
+                                               const std::vector<Eigen::Vector4d> &sum) {
+    const std::size_t away = binsOfThickness;
+    std::vector<Eigen::Vector3d> middle;
+    for (std::size_t k = 0; k < sum.size(); ++k)
+        middle.push_back((sum[k - (k > 0)] + sum[k] + sum[std::min(k + 1, sum.size() - 1)]).hnormalized());
+    const auto bendAt = [&](std::size_t k) {
+        const Eigen::Vector3d to = middle[k] - middle[k - away], from = middle[k + away] - middle[k];
+        return std::atan2(to.cross(from).norm(), to.dot(from)) * 180 / EIGEN_PI;
+    };
+    for (std::size_t k = std::max(start + 1, 2 * away); k + 1 < end && k + 2 * away < sum.size(); ++k) {
+        const double own = bendAt(k);
+        if (own >= leastBend && own >= bendAt(k - 1) && own >= bendAt(k + 1) && bendAt(k - away) < restOfBend * own &&
+            bendAt(k + away) < restOfBend * own)
+            return k;
+    }
+    return {};
+}
+
 /// The same for a vertex of the limb, if something of it lies beyond. \param pointed the vertex that is to turn
 std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double radius, const Pointed &pointed) {
     const vcg::fcd::Index own = surface->nodeOf[slot];
@@ -241,6 +269,7 @@ std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double radius
     const std::size_t none = std::numeric_limits<std::size_t>::max();
     std::vector<std::size_t> section(isBeyond.size(), none);
     std::vector<float> area(1, 0);
+    std::vector<Eigen::Vector4d> sum(1, Eigen::Vector4d::Zero());
     const float most = largestLimb * partArea[std::size_t(partOf[std::size_t(own)])];
     float met = 0;
     std::size_t last = none;
@@ -248,16 +277,21 @@ std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double radius
         const std::size_t at = section[std::size_t(u)] = std::size_t(far / bin);
         area.resize(std::max(area.size(), at + 1), 0);
         area[at] += surface->nodeArea[std::size_t(u)];
+        sum.resize(area.size(), Eigen::Vector4d::Zero());
+        sum[at] += double(surface->nodeArea[std::size_t(u)]) * graph.position.col(u).cast<double>().homogeneous();
         met += surface->nodeArea[std::size_t(u)];
         if (met > most && section[std::size_t(own)] != none)
             last = std::min(last, at + 1); // the next one is for the mean
         return at <= last;
     });
     const std::size_t start = section[std::size_t(own)];
-    const std::size_t root = lastSection(area, start, most);
+    std::size_t root = lastSection(area, start, most);
+    if (pointed.nearer != wholeLimb)
+        root = jointBetween(start, root, sum).value_or(root);
     // The joint of a handle is about the limb's thickness away from it. If that turns more than the limb, such as a
     // leg with the tail, another one is tried, towards the end.
-    const std::size_t first = root - std::min<std::size_t>(root, binsOfThickness * (1 + pointed.nearer));
+    const std::size_t away = binsOfThickness * std::size_t(1 + std::max(0, pointed.nearer));
+    const std::size_t first = root - std::min(root, away);
     const std::size_t low = std::min(start, first);
     std::vector<vcg::fcd::Index> nearest(first + 1 - low, -1); // of each section
     left = nearest.size();

@@ -118,11 +118,13 @@ class BendReach {
     /// cuts off a tip, or reaches around the end of a limb; else \p usual.
     double radiusAt(std::size_t slot, double usual);
 
-    /// The vertex whose handle turns the limb of another vertex: near the limb's root, where it becomes clearly
-    /// thicker, and the same for all vertices from there to the end. Where a vertex would hardly turn with it, it is
-    /// the vertex itself; none on no limb. \param usual as in radiusAt() \param hair as in looseAmong() \param nearer
-    /// how many thicknesses of the limb nearer to its end, at most to the vertex
-    std::optional<std::size_t> rootOfLimb(std::size_t slot, double usual, double hair, std::size_t nearer = 0);
+    static constexpr int wholeLimb = -1;
+    /// The vertex whose handle turns the limb of another vertex: near the next joint towards the body, where the limb
+    /// is bent, or near its root, where it becomes clearly thicker. It is the same for all vertices from there to the
+    /// end. Where a vertex would hardly turn with it, it is the vertex itself; none on no limb. \param usual as in
+    /// radiusAt() \param hair as in looseAmong() \param nearer how many thicknesses of the limb nearer to its end, at
+    /// most to the vertex; wholeLimb: at the root, whatever is bent
+    std::optional<std::size_t> rootOfLimb(std::size_t slot, double usual, double hair, int nearer = 0);
 
     /// The extent of a handle that turns the limb beyond the vertex \p from, towards \p to: it bends at \p from, in a
     /// strip as wide as the limb is thick there. On no limb, it is an extent around \p to, and the middle of its strip
@@ -164,7 +166,7 @@ class BendReach {
     struct Pointed {
         std::size_t slot;
         double usual, hair; ///< as in rootOfLimb(), as is nearer
-        std::size_t nearer;
+        int nearer;
     };
     bool turnsOneLimb(std::size_t root, const Pointed &at);
     double radiusAtEnd(std::size_t slot, double usual);

@@ -120,10 +120,9 @@ class BendSession {
     /// Makes a point a grip, which can turn and scale. It holds all vertices that follow it, where they are now, and
     /// turns about its joint or its vertex. \pre the layer has the pose at 100 %
     void makeGrip(int tag);
-    /// The handle that turns the limb of a vertex: the nearest turned one towards the body, or else a new one at the
-    /// limb's root, or a joint that is nearer to its end by \p nearer thicknesses. \pre as addPoint() \return its tag,
-    /// 0: there is no limb
-    int limbAt(std::size_t slot, double usual, std::size_t nearer);
+    /// The handle that turns the limb of a vertex: the nearest turned one towards the body, or else a new one.
+    /// \param nearer as in BendReach::rootOfLimb() \pre as addPoint() \return its tag, 0: there is no limb
+    int limbAt(std::size_t slot, double usual, int nearer);
     /// The handle that turns the limb beyond the begin of a stroke, about the middle of the limb there: one that holds
     /// that place already, or else a new one. \pre, usual as addPoint() \return its tag \throw vcg::fcd::Error the
     /// stroke leads along no limb, or to fixed vertices
@@ -242,8 +241,8 @@ class BendSession {
     void keepPlace(int tag);
     std::vector<vcg::fcd::MotionStep> stepsSeen(int tag) const;
     int turnedLimb(std::size_t slot) const;
-    std::optional<std::size_t> newLimb(std::size_t slot, double usual, std::size_t nearer);
-    std::pair<int, std::optional<std::size_t>> limbOf(std::size_t slot, double usual, std::size_t nearer);
+    std::optional<std::size_t> newLimb(std::size_t slot, double usual, int nearer);
+    std::pair<int, std::optional<std::size_t>> limbOf(std::size_t slot, double usual, int nearer);
     std::shared_ptr<const BendExtent> glimpseAt(std::size_t slot, double usual);
     int addAt(std::size_t slot, double radius);
     Turned turnedBy(BendReach &from, const BendStroke &stroke, double usual) const;

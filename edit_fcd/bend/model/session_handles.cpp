@@ -101,7 +101,7 @@ int BendSession::turnedLimb(std::size_t slot) const {
 }
 
 /// The vertex for a new handle of a vertex's limb; none if it is on no limb.
-std::optional<std::size_t> BendSession::newLimb(std::size_t slot, double usual, std::size_t nearer) {
+std::optional<std::size_t> BendSession::newLimb(std::size_t slot, double usual, int nearer) {
     BendReach &glance = reach.glance();
     const double hair = usualGap(rest.diagonal());
     const std::size_t carrier = glance.carrierOf(slot, hair);
@@ -113,13 +113,22 @@ std::optional<std::size_t> BendSession::newLimb(std::size_t slot, double usual, 
 
 /// A vertex is on a limb: the limb's handle, or else the place of a new one. Neither if it is on no limb.
 /// \param nearer as in limbAt()
-std::pair<int, std::optional<std::size_t>> BendSession::limbOf(std::size_t slot, double usual, std::size_t nearer) {
+std::pair<int, std::optional<std::size_t>> BendSession::limbOf(std::size_t slot, double usual, int nearer) {
     reach.lookAt(slot);
     const int found = turnedLimb(slot);
     const std::optional<std::size_t> root = newLimb(slot, usual, nearer);
-    const auto isOther = [&] { // a limb of its own, or a joint beyond
-        return nearer > 0 ? data.influence.extents.at(found)->shareOf(*root) == 1
-                          : reach.glance().radiusAt(*root, usual) < thinLimb * radiusOf(data, found);
+    const auto isBent = [&] { // there, and not at the joint of the handle
+        if (root == newLimb(slot, usual, BendReach::wholeLimb))
+            return false;
+        const auto joint = glimpseAt(*root, usual)->joint, known = jointOf(data, found);
+        return joint && (rest.world().linear() * (*joint - *known)).norm() > radiusOf(data, found) / 2; // a thickness
+    };
+    const auto isOther = [&] { // a limb of its own, or another joint
+        const float share = data.influence.extents.at(found)->shareOf(*root);
+        if (nearer == BendReach::wholeLimb)
+            return share == 0;
+        return nearer > 0 || isBent() ? share == 1
+                                      : reach.glance().radiusAt(*root, usual) < thinLimb * radiusOf(data, found);
     };
     if (found && !(root && isOther()))
         return {found, {}};
@@ -137,7 +146,7 @@ std::pair<int, std::shared_ptr<const BendExtent>> BendSession::glimpseLimb(int t
     return {found, found ? glimpseOf(found) : root ? glimpseAt(*root, usual) : nullptr};
 }
 
-int BendSession::limbAt(std::size_t slot, double usual, std::size_t nearer) {
+int BendSession::limbAt(std::size_t slot, double usual, int nearer) {
     const auto [found, root] = limbOf(slot, usual, nearer);
     if (found || !root)
         return found;

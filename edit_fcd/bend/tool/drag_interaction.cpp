@@ -160,15 +160,15 @@ void DragInteraction::restart(Grip again) {
 
 /// The limb turns at a joint that is nearer to the mouse, by steps down, or farther from it. What was dragged follows.
 void DragInteraction::changeJoint(double steps) {
-    const std::size_t before = grip.nearer;
-    if (steps > 0 && before == 0)
+    const int before = grip.nearer;
+    if (steps > 0 && before == BendReach::wholeLimb)
         return;
     const Eigen::Vector3d place = now->pivot;
     Grip again = grip;
     again.nearer = steps > 0 ? before - 1 : before + 1;
     again.from = gripped;
     restart(again);
-    if (now && steps < 0 && now->pivot == place)
+    if (now && now->pivot == place)
         grip.nearer = before; // there is none
 }
 

@@ -16,7 +16,7 @@ class DragInteraction : public BendInteraction {
         bool isNew = false;                              ///< the handle \p tag was made of \p slot
         bool isHeld = false;                             ///< of a limb: \p slot follows the mouse, which \p tag holds
         std::optional<BendStroke> stroke = std::nullopt; ///< tells what turns and where, instead of \p tag
-        std::size_t nearer = 0;                          ///< of a limb, as in BendSession::limbAt()
+        int nearer = 0;                                  ///< of a limb, as in BendSession::limbAt()
         std::optional<Eigen::Vector3d> from = std::nullopt; ///< the mouse at the begin, window; none: where it is now
     };
     using BendInteraction::BendInteraction;
