@@ -65,13 +65,13 @@ std::pair<std::shared_ptr<const BendExtent>, bool> BendReach::beyond(std::size_t
             const auto made = node < 0 ? nullptr : whole({slotOf(node)}, radius, hair);
             if (!made || !made->bends || made->shareOf(to) == 0)
                 break; // the ball does not reach around the limb
-            const Eigen::Vector3d way = placeOf(node) - placeOf(first),
+            const Eigen::Vector3d offset = placeOf(node) - placeOf(first),
                                   off = surface->frame.ToFrame(*made->bends) - placeOf(first);
-            if (off.dot(way) >= way.squaredNorm())
+            if (off.dot(offset) >= offset.squaredNorm())
                 break; // the handle would hold the other side
             found = made;
             // A stroke may also run around the limb: what counts is the way along it.
-            const Eigen::Vector3d towards = way.normalized(), &axis = made->axis;
+            const Eigen::Vector3d towards = offset.normalized(), &axis = made->axis;
             const double advance = axis.dot(towards);
             ahead -= advance > 0.5 * axis.norm() ? off.dot(axis) / advance : off.dot(towards);
         }
