@@ -30,6 +30,10 @@ constexpr std::size_t places = 2000;
 constexpr int degree = 5;
 // Weight of landmarks over that of the surface: more than a match has along the surface (a hundredth).
 constexpr double landmarkWeight = 0.1;
+// Landmarks nearer to each other than this, frame units, count as one for the warp: half of its shortest wave. (One of
+// degree 5 has its extremes a fifth of the surface apart, a tenth near the ends.) Else it follows their errors there,
+// and swings elsewhere.
+constexpr double oneLandmark = 0.05;
 
 /// Landmarks in the order of the fit: both ends of each pair, then the midline.
 struct Marks {
@@ -69,6 +73,31 @@ Marks MarksOf(const SymmetryGoal &goal, const SurfaceView &source, const Frame &
                        " is named twice in the pairs and the midline. A vertex has one partner; if it is its own "
                        "partner, put it into the midline.");
     return marks;
+}
+
+/// Adds the landmarks to the goal of a warp onto the mirror image; of those that count as one, the mean.
+void AddTo(WarpGoal &goal, const MirrorPairs &landmarks, const MirrorPlane &plane) {
+    std::vector<Eigen::Vector3d> first; // of those that count as one
+    std::vector<double> count;
+    for (const auto &[place, partner] : landmarks) {
+        const auto same = std::find_if(first.begin(), first.end(), [&, p = place](const Eigen::Vector3d &each) {
+            return (each - p).norm() < oneLandmark;
+        });
+        const auto k = std::size_t(same - first.begin());
+        if (same == first.end()) {
+            first.push_back(place);
+            count.push_back(0);
+            goal.from.emplace_back(Eigen::Vector3d::Zero());
+            goal.to.emplace_back(Eigen::Vector3d::Zero());
+        }
+        goal.from[k] += place;
+        goal.to[k] += plane(partner);
+        ++count[k];
+    }
+    for (std::size_t k = 0; k < count.size(); ++k) {
+        goal.from[k] /= count[k];
+        goal.to[k] /= count[k];
+    }
 }
 
 /// \param numbers ascending
@@ -119,10 +148,7 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
             return WarpMatch{in(match.point), in.Turn(match.normal), match.isOriented,
                              match.onBorder ? 0 : match.weight};
         };
-        for (const auto &[place, partner] : marks.place) {
-            whole.from.push_back(place);
-            whole.to.push_back(in(partner));
-        }
+        AddTo(whole, marks.place, in);
         whole.landmarkWeight = landmarkWeight;
         whole.landmarkNoise = noHand;
         whole.degree = degree;

@@ -88,6 +88,15 @@ def test_landmarks_that_the_others_contradict_are_left_out(kind):
     assert off(place(at), skull(at, 3)) > 1.7 and off(made.vertices, skull(at, 3)) < 0.25
 
 
+def test_errors_of_landmarks_close_together_stay_small():
+    """Vertices of a mesh lie beside the midline, by 0.3 % of the diagonal, some 0.2 % from the next one."""
+    at, faces = ball(40, 60)
+    truth = skull(at, 8)
+    midline = np.argsort(np.abs(truth[:, 0]))[:60:5]
+    bent = buried(truth, 0.14, 0.15)
+    assert off(bent, truth) > 1.7 and off(symmetrize(bent, faces, midline=midline).vertices, truth) < 1.2
+
+
 def test_the_good_side_is_mirrored_over_a_missing_one():
     truth = skull(AT, 5)
     gone = ((truth - [0.6, 0.3, 0.3]) ** 2).sum(1) < 0.15
