@@ -151,7 +151,7 @@ void DragInteraction::changeKind(BendDrag::Kind kind) {
 }
 
 /// Takes the drag back, and begins another one.
-void DragInteraction::restart(Grip again) {
+void DragInteraction::restart(Grip &again) {
     again.tag = asked;
     stop(false);
     stage.comeToRest();

@@ -47,7 +47,7 @@ class DragInteraction : public BendInteraction {
     void placePivot();
     void changeKind(BendDrag::Kind kind);
     void changeJoint(double steps);
-    void restart(Grip again);
+    void restart(Grip &again);
     void stop(bool keep);
     void end(bool keep);
 
