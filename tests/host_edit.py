@@ -153,7 +153,7 @@ class Window:
             self.meshlab = subprocess.Popen([str(MESHLAB), *map(str, meshes)], env={**os.environ, **self.environment}, stdout=log, stderr=log,
                                             stdin=subprocess.DEVNULL, cwd=folder)
         self.processes = [self.screen.server.pid, self.manager.pid, self.meshlab.pid]
-        self.wait("All files opened", len(meshes))
+        self.wait("Opened mesh" if meshes and meshes[0].suffix == ".mlp" else "All files opened", len(meshes))
         self.wait_for_title("MeshLab")
         self.settle()
 

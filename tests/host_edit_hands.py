@@ -1268,8 +1268,8 @@ def test_the_wheel_takes_a_joint_nearer_to_the_mouse(window, tmp_path):
     assert np.abs(back - root).max() < 1e-4
 
 
-def test_a_bent_limb_turns_where_it_is_bent(window, tmp_path):
-    """A drag of the forearm turns it at the elbow, also after the shoulder was turned; wheel up: at the shoulder."""
+def bent_arm():
+    """A thick trunk along x, with an arm that is bent by 60 degrees: places along the arm and around it, points, faces."""
     straight, faces = tube_of(np.linspace(-1, 1, 300), 32, 0.08)
     x, y, z = straight.T
     thick = np.where(x < 0, 3, 1)
@@ -1278,6 +1278,13 @@ def test_a_bent_limb_turns_where_it_is_bent(window, tmp_path):
     line = np.cumsum([np.cos(turn(ways)), -np.sin(turn(ways))], 1) / 1000
     middle = [np.minimum(x, 0) + np.interp(x, ways, line[0]) * (x > 0), np.interp(x, ways, line[1]) * (x > 0)]
     points = np.stack([middle[0] + thick * y * np.sin(turn(x)), middle[1] + thick * y * np.cos(turn(x)), thick * z], 1).astype(np.float32)
+    return straight, points, faces
+
+
+def test_a_bent_limb_turns_where_it_is_bent(window, tmp_path):
+    """A drag of the forearm turns it at the elbow, also after the shoulder was turned; wheel up: at the shoulder."""
+    straight, points, faces = bent_arm()
+    x, y, z = straight.T
     w = window(write_ply(tmp_path / "figure.ply", points, faces))
     w.start_tool(mode=None)
     center, scale = (points.min(0) + points.max(0)) / 2, 285 * 2.11 / np.linalg.norm(np.ptp(points, axis=0))
@@ -1306,6 +1313,22 @@ def test_a_bent_limb_turns_where_it_is_bent(window, tmp_path):
     assert turned_by(points[upper], shoulder[upper]) > 8
     elbow = drag("elbow", shoulder, 0.85, (40, -20))
     assert turned_by(shoulder[fore], elbow[fore]) > 8 and w.text().count("Handle 3: turn") > 0
+
+
+def test_a_bent_limb_of_a_layer_with_a_matrix_keeps_its_handle(window, tmp_path):
+    straight, points, faces = bent_arm()
+    write_ply(tmp_path / "figure.ply", points, faces)
+    (tmp_path / "moved.mlp").write_text("""<!DOCTYPE MeshLabDocument><MeshLabProject><MeshGroup><MLMesh label="figure.ply" filename="figure.ply">
+<MLMatrix44>1 0 0 5 \n0 1 0 3 \n0 0 1 0 \n0 0 0 1 \n</MLMatrix44></MLMesh></MeshGroup><RasterGroup/></MeshLabProject>""")
+    w = window(tmp_path / "moved.mlp")
+    w.start_tool(mode=None)
+    wrist = np.argmin(abs(straight[:, 0] - 0.85) + abs(straight[:, 1]) + (straight[:, 2] < 0))
+    center, scale = (points.min(0) + points.max(0)) / 2, 285 * 2.11 / np.linalg.norm(np.ptp(points, axis=0))
+    begin = (np.array([X, Y]) + scale * (points[wrist] - center)[:2] * [1, -1]).round().astype(int)
+    for by in (20, -20):
+        w.drag(tuple(begin), tuple(begin + [by, -by]))
+        w.shot(f"dragged{by}")
+    assert w.text().count("Handle 2: turn") > 0 and w.text().count("Handle 3") == 0
 
 
 def test_a_far_drag_of_a_limb_folds_nothing(window, tmp_path):

@@ -121,7 +121,8 @@ std::pair<int, std::optional<std::size_t>> BendSession::limbOf(std::size_t slot,
         if (root == newLimb(slot, usual, BendReach::wholeLimb))
             return false;
         const auto joint = glimpseAt(*root, usual)->joint, known = jointOf(data, found);
-        return joint && (rest.world().linear() * (*joint - *known)).norm() > radiusOf(data, found) / 2; // a thickness
+        // Two thicknesses: seen from different places of a limb, one joint seems to lie up to one apart.
+        return joint && (rest.world() * *joint - *known).norm() > radiusOf(data, found);
     };
     const auto isOther = [&] { // a limb of its own, or another joint
         const float share = data.influence.extents.at(found)->shareOf(*root);
