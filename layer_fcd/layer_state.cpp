@@ -216,9 +216,9 @@ const LayerState &LayerState::known(const MeshModel &layer) {
 }
 
 LayerState &LayerState::made(const MeshDocument &document, MeshModel &layer) {
-    LayerState *const known = of(layer);
-    if (known)
-        return *known;
+    LayerState *const present = of(layer);
+    if (present)
+        return *present;
     States &states = madeStatesOf(document);
     // A host that closes all layers at once sends no signal.
     for (auto each = states.begin(); each != states.end();) {

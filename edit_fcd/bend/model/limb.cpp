@@ -224,11 +224,12 @@ static std::optional<std::size_t> jointBetween(std::size_t start, std::size_t en
                                                const std::vector<Eigen::Vector4d> &sum) {
     const std::size_t away = binsOfThickness;
     std::vector<Eigen::Vector3d> middle;
+    middle.reserve(sum.size());
     for (std::size_t k = 0; k < sum.size(); ++k)
-        middle.push_back((sum[k - (k > 0)] + sum[k] + sum[std::min(k + 1, sum.size() - 1)]).hnormalized());
+        middle.emplace_back((sum[k - (k > 0)] + sum[k] + sum[std::min(k + 1, sum.size() - 1)]).hnormalized());
     const auto bendAt = [&](std::size_t k) {
         const Eigen::Vector3d to = middle[k] - middle[k - away], from = middle[k + away] - middle[k];
-        return std::atan2(to.cross(from).norm(), to.dot(from)) * 180 / EIGEN_PI;
+        return std::atan2(to.cross(from).norm(), to.dot(from)) * 180 / double(EIGEN_PI);
     };
     for (std::size_t k = std::max(start + 1, 2 * away); k + 1 < end && k + 2 * away < sum.size(); ++k) {
         const double own = bendAt(k);

@@ -95,8 +95,8 @@ void FitSession::keep(const MeshModel *target) {
         return;
     if (isTold)
         LayerState::made(document, layer).fit = kept = std::make_shared<const FitToolState>(std::move(next));
-    else if (LayerState *state = LayerState::of(layer))
-        state->fit = kept = nullptr;
+    else if (LayerState *present = LayerState::of(layer))
+        present->fit = kept = nullptr;
 }
 
 Eigen::Vector3d FitSession::positionOf(std::size_t slot) const {
