@@ -68,7 +68,7 @@ MeshModel &NewLayers::addGraphSurface(const QString &what, const vcg::fcd::Graph
     std::vector<std::array<std::size_t, 3>> faces;
     // Rings about the line through center along axis, each joined to the next one; at(ring): height and radius.
     const auto addRings = [&](const Eigen::Vector3d &center, const Eigen::Vector3d &axis, int rings, const auto &at,
-                              const vcg::Color4b &itsColor) {
+                              const vcg::Color4b &shade) {
         const Eigen::Vector3d u = axis.unitOrthogonal(), v = axis.cross(u);
         for (int r = 0; r < rings; ++r)
             for (int k = 0; k < around; ++k) {
@@ -77,7 +77,7 @@ MeshModel &NewLayers::addGraphSurface(const QString &what, const vcg::fcd::Graph
                 const std::size_t low = color.size(), right = low - std::size_t(k) + std::size_t(k + 1) % around;
                 place.col(Eigen::Index(low)) =
                     center + height * axis + width * (std::cos(angle) * u + std::sin(angle) * v);
-                color.push_back(itsColor);
+                color.push_back(shade);
                 if (r + 1 < rings) {
                     faces.push_back({low, right, right + around});
                     faces.push_back({low, right + around, low + around});

@@ -43,6 +43,7 @@ bool handDown(const MeshDocument &document, const LayerState &state, std::option
 /// Call it before the layer of \p state is deleted, or its vertices move: layers that inherit its rest shapes get them.
 /// \return whether a layer got them
 bool handDownRest(const MeshDocument &document, const LayerState &state);
+/// The same for a layer, whose own shapes from before a deletion (LayerState::whole) are then given up.
 inline void handDownRest(const MeshDocument &document, const MeshModel &layer) {
     if (LayerState *state = LayerState::of(layer)) {
         handDownRest(document, *state);
