@@ -153,13 +153,16 @@ void Fitter::Run::TryEnds(const Progress &progress) {
     ends.clear();
 }
 
-/// Tries matching both ways; keeps it if it reaches nearly all of the target, and more of the surface lies on it.
+/// Tries matching both ways; keeps it if it reaches nearly all of the target, more of the surface lies on it, and it
+/// does not strain the surface for that: where both are parts, it would be drawn over what it lacks.
 void Fitter::Run::TryBothWays(GraphPose from, const Progress &progress) {
+    const double most = std::max(pressed, StrainOf(region, graph));
     Kept oneWay = SetAside();
     MatchAnew(true);
     graph = std::move(from);
     Soften(progress);
-    report.bothWays = matches->Unreached() <= mostUnreached && report.matched > oneWay.report.matched;
+    report.bothWays = matches->Unreached() <= mostUnreached && report.matched > oneWay.report.matched &&
+                      StrainOf(region, graph) <= most;
     if (!report.bothWays)
         TakeBack(std::move(oneWay));
 }
@@ -208,7 +211,7 @@ void Fitter::Run::TryWithout(const std::vector<Contradiction> &doubted, const Pr
 void Fitter::Run::Finish(const Progress &progress) {
     report.insideOut = matches->IsInsideOut();
     if (report.insideOut && !report.converged && place.empty()) // as if mirrored by negating a coordinate
-        report.mirrored = true;
+        report.mirrored = report.mirrored || IsMirrored(samples.Places(matched, asItLies), target, threads);
     if (!isAlone) {
         parts.Judge(
             *matches, [&](std::size_t s) { return fitter.IsOn(*matches, s, report); }, leads);

@@ -13,15 +13,16 @@ namespace vcg::fcd {
 namespace {
 
 // Other starts are tried if the strain of edges (rms) is above `pressed`. One wins if it leaves less than farLess of
-// that strain, or less strain if the surface at rest lies nearer. Shapes made by formula had 0.36 and more if they lay
-// turned, a head that lay turned by 60 degrees 0.23, and a hand with touching fingers that lay right 0.19.
-constexpr double pressed = 0.2, farLess = 0.5;
+// that strain, or less strain if the surface at rest lies nearer.
+constexpr double farLess = 0.5;
 // Below this strain the surface lies the right way round. Shapes made by formula, and scans with holes, that lay right
 // had at most 0.09; a tube that lay turned by 90 degrees had 0.13.
 constexpr double unstrained = 0.1;
 // Other starts are also tried if the edges grow or shrink by more than this share: the target has another size. Of
 // shapes made by formula and bent by up to 80 degrees, the right size let them grow by 0.005 at most.
 constexpr double grows = 0.1;
+// A fit with less than this share of the surface on the target may have missed it, or the target is a part.
+constexpr double half = 0.5;
 
 } // namespace
 
@@ -45,13 +46,17 @@ Eigen::Affine3d Fitter::Run::MotionOfMatched(double factor) const {
 
 /// Tries other starts, and keeps one if two things hold. It strains the surface far less, or less if the surface at
 /// rest lies nearer. And as much of the surface lies on the target, or as little of the target is unreached (the target
-/// may be a part). The fit then begins again from where most of the surface went, with the scale that it found.
+/// may be a part), or half of either if a third of the strain is left (both may be parts). A fit that may have missed
+/// the target also gives way to a nearer one that brings more of the surface onto it. The fit then begins again from
+/// where most of the surface went, with the scale that it found.
 void Fitter::Run::TryOtherStarts(const Progress &progress) {
     const double strained = StrainOf(region, graph);
-    if (strained < unstrained || !fitter.MayBegin(report, isLed))
+    double mostOn = report.matched + aLimb;
+    const bool hasMissed = report.matched < half;
+    if ((strained < unstrained && !hasMissed) || !fitter.MayBegin(report, isLed))
         return;
     const double on = OnIt() - aLimb, unreached = matches->Unreached() + aLimb;
-    const bool isPressed = strained > pressed;
+    const bool isPressed = strained > (hasMissed ? unstrained : pressed);
     std::vector<OtherStart> starts = OtherStarts(samples.Places(matched, asItLies), fitter.sampleNormal, target,
                                                  MotionOfMost(asItLies.position, graph.position, 1),
                                                  isPressed || std::abs(Growth() - 1) > grows, threads);
@@ -82,10 +87,14 @@ void Fitter::Run::TryOtherStarts(const Progress &progress) {
         start = Moved(asItLies, motion);
         Draw(progress.Slice(0.75 * double(m) / double(most), 0.75 * double(m + 1) / double(most)));
         tryScaled(m + 1, scaleOf(motion), isScaled && StrainOf(region, graph) < strained);
-        if (const double strain = StrainOf(region, graph); strain < least &&
-                                                           (isNearer || strain < farLess * strained) &&
-                                                           (OnIt() >= on || matches->Unreached() <= unreached)) {
+        const double strain = StrainOf(region, graph);
+        // Both may be parts. A scaled surface fits onto any part.
+        const bool isPart = strain < strained / 3 && !isScaled && Covered() > half,
+                   isLess = strain < least && (isNearer || strain < farLess * strained) &&
+                            (OnIt() >= on || matches->Unreached() <= unreached || isPart);
+        if (isLess || (hasMissed && isNearer && report.matched > mostOn && strain < std::max(strained, unstrained))) {
             least = strain;
+            mostOn = report.matched;
             isFound = true;
             isFoundScaled = isScaled;
             began = MotionOfMatched(isScaled ? scaleOf(motion) * Growth() : 1);
@@ -100,7 +109,7 @@ void Fitter::Run::TryOtherStarts(const Progress &progress) {
     } else {
         TakeBack(std::move(asItLay));
         start = first;
-        report.strained = isPressed ? strained : 0;
+        report.strained = strained > pressed ? strained : 0;
     }
 }
 

@@ -228,6 +228,33 @@ def test_a_target_that_lies_elsewhere_or_is_another():
         fit(VERTICES, FACES, TARGET * [1, 1, 0] + [0, 0, 2], **{**QUICK, "steps": 5})
 
 
+def bar(around, length=8):
+    """An open box, bent a little: around points on each of its four sides."""
+    u = np.arange(4 * around) / around
+    side = np.floor(u).astype(int)
+    corner = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]], float)
+    ring = corner[side] + (corner[side + 1] - corner[side]) * (u - side)[:, None]
+    z = np.linspace(0, length, around * length + 1)
+    points = np.column_stack([np.tile(ring, (len(z), 1)), np.repeat(z, len(ring))])
+    here = np.arange(len(ring) * (len(z) - 1))
+    beside = here - here % len(ring) + (here + 1) % len(ring)
+    above = len(ring)
+    faces = np.concatenate([np.stack([here, beside, beside + above], 1), np.stack([here, beside + above, here + above], 1)])
+    points[:, 0] += 0.4 * (points[:, 2] / length) ** 2
+    return points, faces.astype(np.int32)
+
+
+def test_a_surface_that_lies_across_its_target():
+    """Little of it meets the target, and nothing strains it."""
+    points, faces = bar(10)
+    target, target_faces = bar(11)
+    across = target @ [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeformationWarning)
+        laid = fit(points, faces, across, target_faces)
+    assert laid.info.matched > 0.95
+
+
 def test_a_target_that_is_mirrored_by_negating_a_coordinate_is_told():
     """Its faces look inwards, and it is as smooth as the surface: a fit does not come to rest, but not since there is noise."""
     n, k = 90, 45

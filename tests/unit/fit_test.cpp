@@ -1144,6 +1144,21 @@ TEST(Fit, FindsHowAPartIsTurned) {
     EXPECT_LT(Rms(fitted, Moved(partly, away)), 0.016) << "and 0.43 by the axes alone";
 }
 
+// Each has what the other lacks.
+TEST(Fit, FindsHowPartsOfEachOtherAreTurned) {
+    if (sanitized)
+        return; // it needs many samples
+    const double turned = 2.2;
+    const Eigen::Affine3d away(Eigen::AngleAxisd(turned, Vector3d(1, 2, -1).normalized()));
+    FitParam param = Small();
+    param.samples = 800;
+    param.fitSteps = 30;
+    const Shape part = Above(partly, -1.5, 0);
+    const Fitted fitted = Fit(part, Moved(Above(Lumpy(37), -1, 1), away), param);
+    EXPECT_NEAR(fitted.report.turnedBy, turned, 0.1);
+    EXPECT_LT(Rms(fitted, Moved(part, away)), 0.03);
+}
+
 // The body tells, though the mean of all is turned and lies elsewhere.
 TEST(Fit, AMotionOfMostIsThatOfTheBody) {
     const Shape body = Lumpy(20), limb = Ball(Vector3d(9, 0, 0), 1, 8);
@@ -1193,6 +1208,13 @@ TEST(Fit, TellsOtherUnitsAndMirrorImages) {
     EXPECT_TRUE(Fit(hand, mirrored, param).report.mirrored);
     EXPECT_FALSE(Fit(hand, hand, param).report.mirrored);
     EXPECT_FALSE(Fit(source, target, param).report.mirrored);
+    Shape turnedOver = target;
+    for (auto &face : turnedOver.face)
+        std::swap(face[1], face[2]);
+    const FitReport notAtRest = Fit(source, turnedOver, param).report;
+    EXPECT_TRUE(notAtRest.insideOut);
+    EXPECT_FALSE(notAtRest.converged);
+    EXPECT_FALSE(notAtRest.mirrored);
 }
 
 /// Landmarks all over a sheet, with targets on the rolled one.

@@ -44,6 +44,14 @@ double Quantile(std::vector<double> values, double part) {
     return *at;
 }
 
+double MeanOfSmallest(std::vector<double> values, double part) {
+    if (values.empty())
+        return 0;
+    const auto end = values.begin() + std::max<std::ptrdiff_t>(1, std::ptrdiff_t(part * double(values.size())));
+    std::nth_element(values.begin(), end - 1, values.end());
+    return std::accumulate(values.begin(), end, 0.0) / double(end - values.begin());
+}
+
 double SideOfNearest(const std::vector<double> &distance, const std::vector<double> &cosine) {
     const double near = Quantile(distance, 0.5);
     double sum = 0;

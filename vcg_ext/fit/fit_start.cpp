@@ -59,7 +59,7 @@ constexpr int mostRounds = 30; // of MotionOfMost: a limb that is turned by 90 d
 constexpr std::size_t alignmentsTried = 3;
 constexpr double asNear = 1.5;
 
-/// The misfit of moved points: the sum of the nearest four fifths of the distances from the target. Where normals
+/// The misfit of moved points: the mean of the nearest four fifths of the distances from the target. Where normals
 /// disagree, a distance counts more (wrongSide). The target's normals are tried as they are and flipped.
 double Misfit(const std::vector<Eigen::Vector3d> &points, const std::vector<Eigen::Vector3d> &normal,
               const Eigen::Affine3d &motion, const FitTarget &target, unsigned threads) {
@@ -76,15 +76,7 @@ double Misfit(const std::vector<Eigen::Vector3d> &points, const std::vector<Eige
                                (match.isOriented && (side == 0 ? cosine < 0 : cosine > 0) ? wrongSide : 1);
         }
     });
-    double least = std::numeric_limits<double>::infinity();
-    for (std::vector<double> &each : far) {
-        std::sort(each.begin(), each.end());
-        double sum = 0;
-        for (std::size_t s = 0; s < 4 * each.size() / 5; ++s)
-            sum += each[s];
-        least = std::min(least, sum);
-    }
-    return least;
+    return std::min(MeanOfSmallest(std::move(far[0]), 0.8), MeanOfSmallest(std::move(far[1]), 0.8));
 }
 
 Moments MomentsOf(const std::vector<Eigen::Vector3d> &points) {
@@ -244,6 +236,17 @@ GraphPose Moved(GraphPose pose, const Eigen::Affine3d &motion) {
     return pose;
 }
 
+bool IsMirrored(const std::vector<Eigen::Vector3d> &points, const FitTarget &target, unsigned threads) {
+    const auto least = [&](const std::vector<Eigen::Vector3d> &from) {
+        const std::vector<Alignment> best = FitTurns(from, {}, target).Best(1, OntoAxes(from, target, false), threads);
+        return best.empty() ? 0 : best.front().misfit;
+    };
+    std::vector<Eigen::Vector3d> image = points;
+    for (Eigen::Vector3d &p : image)
+        p[0] = -p[0];
+    return least(image) < farBetter * least(points);
+}
+
 FitPlacement PlacementOf(const std::vector<Eigen::Vector3d> &points, const FitTarget &target, unsigned threads) {
     FitPlacement placement;
     if (points.empty())
@@ -272,11 +275,10 @@ FitPlacement PlacementOf(const std::vector<Eigen::Vector3d> &points, const FitTa
         double misfit = std::numeric_limits<double>::infinity();
         for (const Eigen::Affine3d &motion : OntoAxes(some, target, mirrored))
             misfit = std::min(misfit, Misfit(some, {}, motion, target, threads));
-        return misfit / (0.8 * double(some.size()));
+        return misfit;
     };
-    const double turned = std::min(least(false), Misfit(some, {}, Eigen::Affine3d::Identity(), target, threads) /
-                                                     (0.8 * double(some.size())));
-    placement.mirrored = turned > apart && least(true) < farBetter * turned;
+    const double turned = std::min(least(false), Misfit(some, {}, Eigen::Affine3d::Identity(), target, threads));
+    placement.mirrored = turned > apart && least(true) < farBetter * turned && IsMirrored(points, target, threads);
     return placement;
 }
 

@@ -11,12 +11,18 @@
 
 namespace vcg::fcd {
 
+Eigen::Matrix3d Moments::Covariance() const { return second / sum - Middle() * Middle().transpose(); }
+
 Eigen::Matrix3d Moments::Axes() const {
-    const Eigen::Vector3d middle = Middle();
-    return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(second / sum - middle * middle.transpose()).eigenvectors();
+    return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(Covariance()).eigenvectors();
 }
 
-double Moments::Radius() const { return std::sqrt(std::max((second / sum).trace() - Middle().squaredNorm(), 0.0)); }
+Eigen::Vector3d Moments::Longest() const {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spectrum(Covariance());
+    return spectrum.eigenvectors().col(2) * std::sqrt(std::max(spectrum.eigenvalues()[2], 0.0));
+}
+
+double Moments::Radius() const { return std::sqrt(std::max(Covariance().trace(), 0.0)); }
 
 namespace {
 

@@ -31,10 +31,13 @@ class Moments {
         second += weight * p * p.transpose();
     }
     Eigen::Vector3d Middle() const { return first / sum; }
-    Eigen::Matrix3d Axes() const; ///< unit columns, from the shortest to the longest extent
-    double Radius() const;        ///< root mean square distance from the middle
+    Eigen::Matrix3d Axes() const;    ///< unit columns, from the shortest to the longest extent
+    Eigen::Vector3d Longest() const; ///< the axis of the longest extent, as long as the standard deviation along it
+    double Radius() const;           ///< root mean square distance from the middle
 
   private:
+    Eigen::Matrix3d Covariance() const;
+
     double sum = 0;
     Eigen::Vector3d first = Eigen::Vector3d::Zero();
     Eigen::Matrix3d second = Eigen::Matrix3d::Zero();

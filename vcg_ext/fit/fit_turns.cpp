@@ -20,6 +20,12 @@ constexpr std::size_t looked = 150, bestAlignments = 12;
 constexpr int firstRounds = 8, moreRounds = 20;
 // A pair draws along the plane by this share of how it draws across it.
 constexpr double along = 0.05;
+// The share of a surface that tells how well it lies. Of 24 pairs whose surface and target each lacked another quarter,
+// 22 were among the best three with two thirds, 18 with four fifths.
+constexpr double told = 2.0 / 3;
+// Starts are also shifted along the target by so many standard deviations of its points: the middle of a part that
+// lacks a quarter to four tenths of an even bar lies 0.4 to 0.7 of them from the middle of the bar.
+constexpr double shifted = 0.7;
 // Two alignments are the same if one is turned by less than 30 degrees against the other.
 constexpr double sameTurn = 0.8660254037844387;
 
@@ -57,7 +63,7 @@ FitTurns::Side FitTurns::Prepared(std::vector<Eigen::Vector3d> place) {
 
 FitTurns::FitTurns(const std::vector<Eigen::Vector3d> &points, const std::vector<Eigen::Vector3d> &normal,
                    const FitTarget &onto)
-    : source(Prepared(points)) {
+    : source(Prepared(points)), mainAxis(onto.Spread().Longest()) {
     source.normal = normal;
     source.normal.resize(points.size(), Eigen::Vector3d::Zero());
     source.isOriented.assign(points.size(), 1);
@@ -73,19 +79,19 @@ FitTurns::FitTurns(const std::vector<Eigen::Vector3d> &points, const std::vector
     target.isOriented = std::move(isOriented);
 }
 
-/// The mean distance of one side from the other, in units of \p to. The normals of the two are tried as they are and
-/// flipped.
+/// The mean distance of the nearest points of one side from the other, in units of \p to. The normals of the two are
+/// tried as they are and flipped.
 double FitTurns::MeanFar(const Side &from, const Side &to, const Eigen::Affine3d &motion, double scale) {
-    double sum[2] = {0, 0};
+    std::vector<double> asTheyAre, flipped;
     for (std::size_t i = 0; i < from.place.size(); i += from.stride) {
         double far = 0;
         const Index j = to.tree->Nearest(motion * from.place[i], &far);
         const double cosine =
             from.isOriented[i] && to.isOriented[j] ? to.normal[j].dot(motion.linear() * from.normal[i]) / scale : 0;
-        sum[0] += far * (cosine < 0 ? wrongSide : 1);
-        sum[1] += far * (cosine > 0 ? wrongSide : 1);
+        asTheyAre.push_back(far * (cosine < 0 ? wrongSide : 1));
+        flipped.push_back(far * (cosine > 0 ? wrongSide : 1));
     }
-    return std::min(sum[0], sum[1]) / double(from.Count());
+    return std::min(MeanOfSmallest(std::move(asTheyAre), told), MeanOfSmallest(std::move(flipped), told));
 }
 
 double FitTurns::Misfit(const Eigen::Affine3d &motion, double scale) const {
@@ -151,7 +157,9 @@ std::vector<Alignment> FitTurns::Best(double scale, std::vector<Eigen::Affine3d>
     if (!source.tree || !target.tree)
         return {};
     for (const Eigen::Matrix3d &turn : Icosahedral())
-        start.push_back(Eigen::Translation3d(target.middle) * turn * Eigen::Translation3d(-source.middle));
+        for (const double shift : {0.0, -shifted, shifted})
+            start.push_back(Eigen::Translation3d(target.middle + shift * mainAxis) * turn *
+                            Eigen::Translation3d(-source.middle));
     std::vector<Alignment> alignments(start.size());
     const auto nearer = [&](int rounds) {
         ParallelFor(threads, alignments.size(), 4, [&](std::size_t begin, std::size_t end) {

@@ -15,13 +15,14 @@ namespace vcg::fcd {
 /// A motion of a surface, and how badly it then lies on its target.
 struct Alignment {
     Eigen::Affine3d motion;
-    /// Mean distance, frame units: of the surface from the target, or of the target from the
-    /// surface, which is smaller, as either may be a part of the other.
+    /// Mean distance of the nearest two thirds, frame units: of the surface from the target, or of the target from the
+    /// surface, which is smaller, as each may lack a part of the other.
     double misfit;
 };
 
 /// Lays a surface onto a target from all sides, rigidly: closest points of both with robust weights, point to plane
-/// (P. Besl, N. McKay 1992; Y. Chen, G. Medioni 1992), from starts that are at most 45 degrees from any rotation.
+/// (P. Besl, N. McKay 1992; Y. Chen, G. Medioni 1992), from starts that are at most 45 degrees from any rotation. The
+/// middles of parts lie elsewhere, so each starts at three places along the target, too.
 class FitTurns {
   public:
     /// \param points of equal area, frame units \param normal of each, of length 1 or 0; empty: unknown
@@ -51,6 +52,7 @@ class FitTurns {
     Alignment Nearer(Alignment alignment, double scale, int rounds) const;
 
     Side source, target;
+    Eigen::Vector3d mainAxis; // the target's, as long as the standard deviation of its points
 };
 
 } // namespace vcg::fcd
