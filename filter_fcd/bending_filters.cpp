@@ -8,7 +8,7 @@
 #include <layer_fcd/layer_deformer.h>
 #include <layer_fcd/layer_labels.h>
 
-#include <sstream>
+#include <iomanip>
 
 // The filters that bend a layer, and others as it was bent.
 
@@ -27,10 +27,8 @@ HostFilterPlugin::ReturnedValues FilterFcd::buildGraph(const RichParameterList &
 
     const int patches = int(graph.geometry.position.cols()), edges = int(graph.geometry.edge.size());
     logLine(describe(graph.surface));
-    std::ostringstream line;
-    line << patches << " patches, " << edges << " edges, patch radius at most " << graph.targetRadius << ", "
-         << graph.iterations << " iterations, " << graph.seconds << " s.";
-    logLine(line.str());
+    logLine(inWords(patches, " patches, ", edges, " edges, patch radius at most ", graph.targetRadius, ", ",
+                    graph.iterations, " iterations, ", graph.seconds, " s."));
     if (!graph.converged)
         logLine("The patches did not converge: raise max_iterations if they look uneven.", GLLogStream::WARNING);
     ReturnedValues values = valuesOf(graph.surface);
@@ -61,11 +59,9 @@ HostFilterPlugin::ReturnedValues FilterFcd::deformMesh(const RichParameterList &
                 " again and replaces this result: rename a result to keep it.");
 
     logLine(describe(result.surface));
-    std::ostringstream line;
-    line << describe(result.tags) << "; " << result.rest.position.cols() << " nodes, " << inSteps(result.pose.path)
-         << result.iterations << " iterations; " << result.secondsGraph << " s for the graph, " << result.secondsSolve
-         << " s to bend it, " << result.secondsMap << " s for the mesh.";
-    logLine(line.str());
+    logLine(inWords(describe(result.tags), "; ", result.rest.position.cols(), " nodes, ", inSteps(result.pose.path),
+                    result.iterations, " iterations; ", result.secondsGraph, " s for the graph, ", result.secondsSolve,
+                    " s to bend it, ", result.secondsMap, " s for the mesh."));
     for (const std::string &remark : describe(made, param))
         logLine(remark);
     warn(describe(result.check, result.surface));
@@ -90,12 +86,10 @@ HostFilterPlugin::ReturnedValues FilterFcd::pose(const RichParameterList &parame
                                                  MeshModel &layer, const Progress &progress) {
     const auto param = read<PoseParam>(parameters, document);
     const PoseResult result = LayerDeformer(document, layer, preparedLayers, toLog()).pose(param, progress);
-    std::ostringstream line;
-    line << describe(result.tags) << "; " << result.nodes << " nodes, " << inSteps(result.path) << result.iterations
-         << " iterations; " << (result.prepared ? "prepared in " : "already prepared, found in ")
-         << (result.prepared ? result.secondsPrepare : result.secondsFind) << " s, " << result.secondsSolve
-         << " s to bend the graph, " << result.secondsMap + result.secondsNormals << " s for the mesh.";
-    logLine(line.str());
+    logLine(inWords(describe(result.tags), "; ", result.nodes, " nodes, ", inSteps(result.path), result.iterations,
+                    " iterations; ", result.prepared ? "prepared in " : "already prepared, found in ",
+                    result.prepared ? result.secondsPrepare : result.secondsFind, " s, ", result.secondsSolve,
+                    " s to bend the graph, ", result.secondsMap + result.secondsNormals, " s for the mesh."));
     warn(warningsOf(result.contact));
     warnOf(result.path, result.converged, result.discretisationError);
     ReturnedValues values = valuesOf(result.tags);
@@ -149,11 +143,9 @@ void FilterFcd::warnOf(const vcg::fcd::PosePath &path, bool converged, double di
         logLine("The deformation did not converge: raise max_iterations, or tolerance, or move the handles less at "
                 "a time.",
                 GLLogStream::WARNING);
-    if (discretisationError > vcg::fcd::coarseError) {
-        std::ostringstream line;
-        line.precision(2);
-        line << "With so few patches, the shape is off by about " << 100 * discretisationError
-             << " percent of the diagonal of the part that bends (rms). Raise initial_patches.";
-        logLine(line.str(), GLLogStream::WARNING);
-    }
+    if (discretisationError > vcg::fcd::coarseError)
+        logLine(inWords("With so few patches, the shape is off by about ", std::setprecision(2),
+                        100 * discretisationError,
+                        " percent of the diagonal of the part that bends (rms). Raise initial_patches."),
+                GLLogStream::WARNING);
 }

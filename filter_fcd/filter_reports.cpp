@@ -39,10 +39,8 @@ HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::SurfaceReport &surface
 }
 
 std::string describe(const vcg::fcd::TagCount &tags) {
-    std::ostringstream line;
-    line << tags.fixed << " fixed, " << tags.handle << " handle, " << tags.free << " free, " << tags.outside
-         << " outside vertices";
-    return line.str();
+    return inWords(tags.fixed, " fixed, ", tags.handle, " handle, ", tags.free, " free, ", tags.outside,
+                   " outside vertices");
 }
 
 HostFilterPlugin::ReturnedValues valuesOf(const vcg::fcd::TagCount &tags) {
@@ -90,12 +88,9 @@ std::vector<std::string> describe(const DeformedLayers &made, const DeformMeshPa
                           " nodes of " + inQuotes(*param.graphLayer) + " lie on the surface" +
                           (result.placedNodes < made.givenNodes ? "; the others are left out." : ".") +
                           " Their patches are grown anew.");
-    if (made.isStopped) {
-        std::ostringstream line;
-        line << "Stopped at " << made.percent << " of " << param.deformation.pose
-             << " percent, the last hundredth before the surface passes through itself.";
-        remarks.push_back(line.str());
-    }
+    if (made.isStopped)
+        remarks.push_back(inWords("Stopped at ", made.percent, " of ", param.deformation.pose,
+                                  " percent, the last hundredth before the surface passes through itself."));
     return remarks;
 }
 
@@ -129,14 +124,11 @@ std::vector<std::string> describe(const vcg::fcd::DeformationCheck &check, const
         warnings.push_back(counted(std::size_t(check.overruled), "handle vertex is", "handle vertices are") +
                            " at the place of a fixed vertex, or of one with a smaller tag, which counts. Give all "
                            "vertices at a place the same tag.");
-    if (check.strained > 0) {
-        std::ostringstream line;
-        line << counted(std::size_t(check.strained), "edge joins", "edges join")
-             << " two held regions that move differently: less than half or more than twice as long as at rest (the "
-                "longest: "
-             << check.longest << " times). Leave free vertices between them.";
-        warnings.push_back(line.str());
-    }
+    if (check.strained > 0)
+        warnings.push_back(inWords(counted(std::size_t(check.strained), "edge joins", "edges join"),
+                                   " two held regions that move differently: less than half or more than twice as long "
+                                   "as at rest (the longest: ",
+                                   check.longest, " times). Leave free vertices between them."));
     if (check.flipped > 0)
         warnings.push_back(describeFlipped(check.flipped));
     return warnings;
@@ -253,12 +245,10 @@ std::vector<std::string> warningsOf(const SequenceLayers &made) {
 
 std::string describe(const SavedDeformation &saved) {
     const vcg::fcd::SampledField &field = saved.field;
-    std::ostringstream line;
-    line << field.samples.Size() << " samples, a file of " << double(saved.bytes) / 1e6 << " MB in " << saved.seconds
-         << " s; the vertices of the source that move are off by " << field.rms
-         << " (rms), and none of all its vertices by more than " << field.largest << " (aimed at: " << field.accuracy
-         << ").";
-    return line.str();
+    return inWords(field.samples.Size(), " samples, a file of ", double(saved.bytes) / 1e6, " MB in ", saved.seconds,
+                   " s; the vertices of the source that move are off by ", field.rms,
+                   " (rms), and none of all its vertices by more than ", field.largest, " (aimed at: ", field.accuracy,
+                   ").");
 }
 
 HostFilterPlugin::ReturnedValues valuesOf(const SavedDeformation &saved) {

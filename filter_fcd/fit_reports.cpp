@@ -104,29 +104,23 @@ HostFilterPlugin::ReturnedValues valuesOf(const FittedLayers &made) {
 std::vector<std::string> warningsOf(const FittedLayers &made) {
     const vcg::fcd::FitReport &report = made.report;
     std::vector<std::string> warnings = report.Remarks();
-    if (report.matched < 0.3 && !made.landmarksOnly) { // most of the shape is a guess
-        std::ostringstream line;
-        line << "Only " << 100 * report.matched
-             << " percent of the surface have a counterpart: do not trust the rest. Move the layers onto each other "
-                "first, give landmarks, or raise largest_distance or largest_angle.";
-        warnings.push_back(line.str());
-    }
-    if (report.guessed > 0.05 && report.guessError > 0.01 * made.diagonal) { // 1 %: a hand misses by less
-        std::ostringstream line;
-        line << 100 * report.guessed
-             << " percent of the surface have no counterpart: their place is a guess that may be "
-             << "off by about " << report.guessError << ": give landmarks there, or do not trust them.";
-        warnings.push_back(line.str());
-    }
+    if (report.matched < 0.3 && !made.landmarksOnly) // most of the shape is a guess
+        warnings.push_back(inWords("Only ", 100 * report.matched,
+                                   " percent of the surface have a counterpart: do not trust the rest. Move the layers "
+                                   "onto each other first, give landmarks, or raise largest_distance or "
+                                   "largest_angle."));
+    if (report.guessed > 0.05 && report.guessError > 0.01 * made.diagonal) // 1 %: a hand misses by less
+        warnings.push_back(
+            inWords(100 * report.guessed,
+                    " percent of the surface have no counterpart: their place is a guess that may be off "
+                    "by about ",
+                    report.guessError, ": give landmarks there, or do not trust them."));
     if (made.result.check.flipped > 0)
         warnings.push_back(trianglesFlipped(std::size_t(made.result.check.flipped)) +
                            ": the fit folds the surface there. Give landmarks, or raise stiffness.");
-    if (report.pull > 0.01 * made.diagonal && report.contradicted.empty()) { // 1 %: a hand misses by less
-        std::ostringstream line;
-        line << "The landmarks contradict each other or the target, by " << report.pull
-             << ". Look for pairs that are mixed up.";
-        warnings.push_back(line.str());
-    }
+    if (report.pull > 0.01 * made.diagonal && report.contradicted.empty()) // 1 %: a hand misses by less
+        warnings.push_back(inWords("The landmarks contradict each other or the target, by ", report.pull,
+                                   ". Look for pairs that are mixed up."));
     if (!report.converged && !report.IsMisplaced())
         warnings.emplace_back("The fit did not converge: raise fit_steps.");
     return warnings;

@@ -7,13 +7,10 @@
 #include "layer_labels.h"
 #include "layer_matrix.h"
 #include "new_layers.h"
-#include "parameters.h"
 #include "save_files.h"
 
 #include <algorithm>
-#include <memory>
 #include <mutex>
-#include <sstream>
 #include <utility>
 
 #include <xxhash.h>
@@ -238,12 +235,10 @@ std::string describeSpace(const MeshModel &target, const Eigen::AlignedBox3d &he
     const bool isFar = gap > sourceSize, isLandmarks = target.cm.vn < 100; // a few points may lie close together
     if (!isFar && size <= 10 * sourceSize && (10 * size >= sourceSize || isLandmarks || !isWhole))
         return {};
-    std::ostringstream text;
-    text << "The layer " << inQuotes(target) << " is " << size << " across and the source " << sourceSize;
-    if (isFar)
-        text << ", and they are " << gap << " apart";
-    text << ": a deformation means nothing so far from its source. Bring the layer to the same place and units first.";
-    return text.str();
+    return inWords(
+        "The layer ", inQuotes(target), " is ", size, " across and the source ", sourceSize,
+        isFar ? inWords(", and they are ", gap, " apart") : "",
+        ": a deformation means nothing so far from its source. Bring the layer to the same place and units first.");
 }
 
 void carry(const MeshModel &target, const Eigen::Affine3d &matrix, const Displacements &displacements,

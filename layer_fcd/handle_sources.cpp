@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/handles/handle_file.h> // these before Qt
-#include <vcg_ext/handles/motion_text.h>
+#include <vcg_ext/handles/handle_file.h> // before Qt
 
 #include "handle_sources.h"
 #include "kept_tool.h"
@@ -17,7 +16,6 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include <QRegularExpression>
 
@@ -48,13 +46,9 @@ std::vector<int> tagsFrom(const MeshModel &layer, const std::string &what, const
             for (std::size_t first = wrong; i < first && !wrong.compare_exchange_weak(first, i);) {
             }
     });
-    if (const std::size_t i = wrong; i < tag.size()) {
-        std::ostringstream message;
-        message << "The " << what << " of vertex " << i << " is " << of(i)
-                << ", but tags are whole numbers: " << tagMeaning
-                << ". Round them, or take the tags from another source.";
-        throw Error(message.str());
-    }
+    if (const std::size_t i = wrong; i < tag.size())
+        throw Error(inWords("The ", what, " of vertex ", i, " is ", of(i), ", but tags are whole numbers: ", tagMeaning,
+                            ". Round them, or take the tags from another source."));
     return tag;
 }
 
@@ -122,8 +116,7 @@ std::vector<int> tagsFromFile(const MeshModel &layer, const QString &path) {
     return tag;
 }
 
-/// Says how many vertices are fixed by a quality of 0 that no filter for tags has given them: other filters make new
-/// vertices with it.
+/// Says how many vertices are fixed by a quality of 0 that no filter for tags gave: others make new vertices with it.
 void tellNewFixed(const MeshModel &layer, const std::vector<int> &tag, const Remark &remark) {
     const LayerState &state = LayerState::known(layer);
     const bool isTagged = state.scan && state.scan->quality, isResult = state.measured && state.measured->areTags;
@@ -315,13 +308,11 @@ bool readMotions(const MeshDocument &document, const MeshModel &layer, const Poi
             remark("No vertex has tag " + std::to_string(place + 2) + ": its matrix in " +
                    param.transformFile.toStdString() + " is not used.");
     if (const double error = aboutPoint ? singleError(param.rotationPoint) : 0;
-        error > 0 && error > 1e-5 * (handles.world.linear() * extentOf(mesh)).norm()) {
-        std::ostringstream line;
-        line << "rotation_point reaches the filter in single precision, which far from the origin is coarse: " << error
-             << " units there. For an exact centre write the rotation as text in 'transforms': "
-             << centers.begin()->first << ": rotate ax ay az degrees about x y z.";
-        remark(line.str());
-    }
+        error > 0 && error > 1e-5 * (handles.world.linear() * extentOf(mesh)).norm())
+        remark(inWords(
+            "rotation_point reaches the filter in single precision, which far from the origin is coarse: ", error,
+            " units there. For an exact centre write the rotation as text in 'transforms': ", centers.begin()->first,
+            ": rotate ax ay az degrees about x y z."));
     for (const vcg::fcd::PointHandle &point : handles.point)
         moves = moves || point.target != toVector(rest ? rest[point.vertex] : mesh.vert[point.vertex].cP());
     if (!moves && !(centers.empty() && handles.point.empty()))

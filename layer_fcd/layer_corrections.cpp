@@ -10,7 +10,6 @@
 
 #include <array>
 #include <memory>
-#include <sstream>
 #include <utility>
 
 using vcg::fcd::Deformer;
@@ -159,24 +158,17 @@ SymmetrizedLayers symmetrizeLayer(MeshDocument &document, MeshModel &layer, cons
 
 std::string describe(const SymmetrizedLayers &made) {
     const vcg::fcd::SymmetryReport &report = made.report;
-    const auto text = [](const Eigen::Vector3d &v) {
-        std::ostringstream out;
-        out << v[0] << " " << v[1] << " " << v[2];
-        return out.str();
-    };
-    std::ostringstream line;
-    line << "The plane of symmetry, "
-         << (report.isGiven         ? "as given"
-             : report.isOfLandmarks ? "of the landmarks"
-                                    : "as the surface tells it")
-         << ", goes through " << text(report.plane.point) << " with the normal " << text(report.plane.normal)
-         << ". The surface was " << made.before << " (rms) from its mirror image, and is " << made.after
-         << " from it now. It was moved by " << report.moved << " (rms), at most by " << report.movedMost << "; "
-         << 100 * report.fit.matched << " percent have a counterpart on the other side.";
-    if (made.mirrored > 0)
-        line << " " << made.mirrored << " vertices are mirrored over what is missing.";
-    line << " " << made.seconds << " s.";
-    return line.str();
+    const auto text = [](const Eigen::Vector3d &v) { return inWords(v[0], " ", v[1], " ", v[2]); };
+    return inWords("The plane of symmetry, ",
+                   report.isGiven         ? "as given"
+                   : report.isOfLandmarks ? "of the landmarks"
+                                          : "as the surface tells it",
+                   ", goes through ", text(report.plane.point), " with the normal ", text(report.plane.normal),
+                   ". The surface was ", made.before, " (rms) from its mirror image, and is ", made.after,
+                   " from it now. It was moved by ", report.moved, " (rms), at most by ", report.movedMost, "; ",
+                   100 * report.fit.matched, " percent have a counterpart on the other side.",
+                   made.mirrored > 0 ? inWords(" ", made.mirrored, " vertices are mirrored over what is missing.") : "",
+                   " ", made.seconds, " s.");
 }
 
 std::vector<std::string> warningsOf(const SymmetrizedLayers &made) {
@@ -188,18 +180,15 @@ std::vector<std::string> warningsOf(const SymmetrizedLayers &made) {
     if (made.after > made.before + 1e-6 * made.diagonal) // more than rounding
         warnings.emplace_back("The result is farther from its mirror image than the surface was: the plane is probably "
                               "wrong. Give pairs, a midline or another plane.");
-    std::ostringstream share;
     if (report.fit.matched < 0.3) // most of the shape is a guess
-        share << "Only " << 100 * report.fit.matched
-              << " percent of the surface have a counterpart on the other side: do not trust the rest. Give pairs or a "
-                 "midline.";
+        warnings.push_back(inWords("Only ", 100 * report.fit.matched,
+                                   " percent of the surface have a counterpart on the other side: do not trust the "
+                                   "rest. Give pairs or a midline."));
     else if (report.fit.guessed > 0.05 && report.fit.guessError > 0.01 * made.diagonal) // 1 %: a hand misses by less
-        share << 100 * report.fit.guessed
-              << " percent of the surface have no counterpart on the other side: their place is a guess that may be "
-                 "off by about "
-              << report.fit.guessError << ".";
-    if (!share.str().empty())
-        warnings.push_back(share.str());
+        warnings.push_back(inWords(100 * report.fit.guessed,
+                                   " percent of the surface have no counterpart on the other side: their place is a "
+                                   "guess that may be off by about ",
+                                   report.fit.guessError, "."));
     if (!report.contradicted.empty()) {
         std::string names;
         for (std::size_t each : report.contradicted)
@@ -269,10 +258,8 @@ CompensatedLayers compensateLayer(MeshDocument &document, MeshModel &layer, cons
 
 std::string describe(const CompensatedLayers &made) {
     const vcg::fcd::CompensateReport &report = made.report;
-    std::ostringstream line;
-    line << 100 * report.scanned << " percent of the nominal part have a counterpart on the scan, which is "
-         << report.before << " (rms) from it, laid onto it rigidly, and " << report.left
-         << " from it after the warp. What to print differs from the nominal part by " << report.change
-         << " (rms), at most by " << report.changeMost << ". " << made.seconds << " s.";
-    return line.str();
+    return inWords(100 * report.scanned, " percent of the nominal part have a counterpart on the scan, which is ",
+                   report.before, " (rms) from it, laid onto it rigidly, and ", report.left,
+                   " from it after the warp. What to print differs from the nominal part by ", report.change,
+                   " (rms), at most by ", report.changeMost, ". ", made.seconds, " s.");
 }

@@ -5,7 +5,16 @@
 #include "meshlab_host.h"
 
 #include <cstddef>
+#include <sstream>
 #include <string>
+
+/// Words and numbers, one after the other.
+template <class... Parts>
+std::string inWords(const Parts &...parts) {
+    std::ostringstream text;
+    (text << ... << parts);
+    return text.str();
+}
 
 /// 'NAME', for messages.
 std::string inQuotes(const QString &name);

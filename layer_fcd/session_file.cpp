@@ -14,7 +14,6 @@
 
 #include <cstdlib>
 #include <limits>
-#include <sstream>
 
 #include <QCryptographicHash>
 
@@ -161,13 +160,10 @@ SessionContents loadSession(const MeshDocument &document, MeshModel &layer, cons
             box.extend(toVector(vertex.cP()));
     const double near = 1e-6 * box.diagonal().norm(), distance = distanceFrom(mesh, shown);
     const bool isAtRest = distance > near && next.rest && distanceFrom(mesh, *next.rest) <= near;
-    if (distance > near && !isAtRest) {
-        std::ostringstream text;
-        text << name << " is of another shape than " << inQuotes(layer) << " has: a vertex is " << distance
-             << " from where it was. Open the file of that layer, or undo what has moved it, and load the session "
-                "again.";
-        throw Error(text.str());
-    }
+    if (distance > near && !isAtRest)
+        throw Error(inWords(name, " is of another shape than ", inQuotes(layer), " has: a vertex is ", distance,
+                            " from where it was. Open the file of that layer, or undo what has moved it, and load the "
+                            "session again."));
     const KeptScan *scan = next.scan ? &*next.scan : nullptr;
     std::vector<std::uint8_t> shownColor;
     std::vector<double> shownQuality;
