@@ -11,11 +11,13 @@
 
 #include <Eigen/Core>
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <type_traits>
 #include <vector>
 
@@ -60,6 +62,30 @@ std::uint64_t sumOfVertices(const CMeshO &mesh, const Term &term) {
                 sum += term(i);
         return sum;
     });
+}
+
+/// The least value of items, and the first item that has it.
+struct Least {
+    double value = std::numeric_limits<double>::infinity();
+    std::size_t item = 0;
+};
+
+/// The least value(i) of n items, by all threads; none if all are infinite.
+template <class Value>
+std::optional<Least> leastOf(std::size_t n, const Value &value) {
+    const std::size_t grain = 1 << 14;
+    std::vector<Least> found((n + grain - 1) / grain);
+    vcg::fcd::ParallelFor(0, n, grain, [&](std::size_t first, std::size_t last) {
+        Least here;
+        for (std::size_t i = first; i < last; ++i)
+            if (const double own = value(i); own < here.value)
+                here = {own, i};
+        found[first / grain] = here;
+    });
+    Least all;
+    for (const Least &each : found)
+        all = each.value < all.value ? each : all;
+    return std::isfinite(all.value) ? std::optional(all) : std::nullopt;
 }
 
 /// The bytes of plain numbers, one after the other.

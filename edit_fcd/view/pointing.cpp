@@ -4,12 +4,12 @@
 #include "edit_fcd/view/layer_drawing.h"
 #include "edit_fcd/view/pointing.h"
 
+#include <layer_fcd/layer_contents.h>
 #include <layer_fcd/layer_matrix.h>
 #include <layer_fcd/parameters.h>
 
 #include <cmath>
 #include <limits>
-#include <mutex>
 
 std::vector<float> depthOf(GLArea &view, const Camera &seen) {
     std::vector<float> depth(std::size_t(seen.width) * std::size_t(seen.height), 1);
@@ -75,38 +75,7 @@ void drawBrush(const Camera &seen, const Eigen::Vector2d &place, double radius) 
 
 namespace {
 
-/// The nearest element so far; the first of several.
-struct Nearest {
-    double depth = std::numeric_limits<double>::infinity();
-    std::size_t element = 0;
-
-    void take(double otherDepth, std::size_t other) {
-        if (otherDepth < depth || (otherDepth == depth && other < element)) {
-            depth = otherDepth;
-            element = other;
-        }
-    }
-    bool isFound() const { return depth < std::numeric_limits<double>::infinity(); }
-};
-
-/// The least depthOf(i) of n elements, by all threads. depthOf is infinite if an element is not hit.
-template <class Depth>
-Nearest nearestOf(std::size_t n, const Depth &depthOf) {
-    Nearest all;
-    std::mutex lock;
-    vcg::fcd::ParallelFor(0, n, 1 << 14, [&](std::size_t first, std::size_t last) {
-        Nearest here;
-        for (std::size_t i = first; i < last; ++i)
-            here.take(depthOf(i), i);
-        const std::lock_guard<std::mutex> guard(lock);
-        if (here.isFound())
-            all.take(here.depth, here.element);
-    });
-    return all;
-}
-
-/// Where a ray meets a triangle (T. Moeller and B. Trumbore 1997), in lengths of \p direction; infinity if it does not,
-/// or before \p least.
+/// Where a ray meets a triangle (T. Moeller, B. Trumbore 1997), in lengths of \p direction, from \p least; or infinity.
 double meets(const Eigen::Vector3d &from, const Eigen::Vector3d &direction, const Eigen::Vector3d corner[3],
              double least) {
     const double none = std::numeric_limits<double>::infinity();
@@ -128,35 +97,35 @@ std::optional<LayerHit> hitLayer(const MeshModel &layer, const Camera &seen, con
     const Eigen::Affine3d world = invertibleMatrixOf(layer);
     if (mesh.fn == 0) {
         const double reach = 6; // pixels around the mouse, since points have no size
-        const Nearest hit = nearestOf(mesh.vert.size(), [&](std::size_t i) {
+        const std::optional<Least> hit = leastOf(mesh.vert.size(), [&](std::size_t i) {
             if (mesh.vert[i].IsD())
                 return none;
             const Eigen::Vector3d at = seen.toWindow(world * toVector(mesh.vert[i].cP()));
             return (at.head<2>() - window).norm() <= reach && at[2] >= behind && at[2] <= 1 ? at[2] : none;
         });
-        if (!hit.isFound())
+        if (!hit)
             return {};
-        const std::size_t slot = hit.element;
-        return LayerHit{world * toVector(mesh.vert[slot].cP()), hit.depth, slot, {slot, slot, slot}, {1, 0, 0}};
+        const std::size_t slot = hit->item;
+        return LayerHit{world * toVector(mesh.vert[slot].cP()), hit->value, slot, {slot, slot, slot}, {1, 0, 0}};
     }
     const Eigen::Affine3d toLayer = world.inverse();
     const Eigen::Vector3d from = toLayer * seen.toWorld({window[0], window[1], 0}),
                           direction = toLayer * seen.toWorld({window[0], window[1], 1}) - from;
-    const Nearest hit = nearestOf(mesh.face.size(), [&](std::size_t f) {
+    const std::optional<Least> hit = leastOf(mesh.face.size(), [&](std::size_t f) {
         const CFaceO &face = mesh.face[f];
         if (face.IsD())
             return none;
         const Eigen::Vector3d corner[3] = {toVector(face.cP(0)), toVector(face.cP(1)), toVector(face.cP(2))};
         return meets(from, direction, corner, behind);
     });
-    if (!hit.isFound())
+    if (!hit)
         return {};
-    const CFaceO &face = mesh.face[hit.element];
-    const Eigen::Vector3d place = from + hit.depth * direction, origin = toVector(face.cP(0)),
+    const CFaceO &face = mesh.face[hit->item];
+    const Eigen::Vector3d place = from + hit->value * direction, origin = toVector(face.cP(0)),
                           a = toVector(face.cP(1)) - origin, b = toVector(face.cP(2)) - origin, normal = a.cross(b);
     LayerHit found;
     found.place = world * place;
-    found.depth = hit.depth;
+    found.depth = hit->value;
     found.weight[1] = (place - origin).cross(b).dot(normal) / normal.squaredNorm();
     found.weight[2] = a.cross(place - origin).dot(normal) / normal.squaredNorm();
     found.weight[0] = 1 - found.weight[1] - found.weight[2];
@@ -186,7 +155,7 @@ std::optional<Eigen::Vector3d> hitOthers(const MeshDocument &document, const Mes
     double least = std::numeric_limits<double>::infinity();
     std::optional<Eigen::Vector3d> first;
     for (const MeshModel *layer : host::layers(document)) {
-        if (layer == &but || !host::isVisible(*layer))
+        if (layer == &but || !layer->isVisible())
             continue;
         try {
             const std::optional<LayerHit> hit = hitLayer(*layer, seen, window);

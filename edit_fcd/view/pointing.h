@@ -66,9 +66,8 @@ struct LayerHit {
     Eigen::Vector3d weight;              ///< of the corners (barycentric)
 };
 
-/// The point of a layer nearest to the eye at a point of the window. Other layers do not matter. For a layer without
-/// faces, a vertex there. \param window pixels of the device, y up \param behind least depth \return none if it is not
-/// hit
+/// The point of a layer nearest to the eye at a point of the window, whatever other layers hide. Without faces, a
+/// vertex. \param window pixels of the device, y up \param behind least depth \return none if it is not hit
 std::optional<LayerHit> hitLayer(const MeshModel &layer, const Camera &seen, const Eigen::Vector2d &window,
                                  double behind = 0);
 

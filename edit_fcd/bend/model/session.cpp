@@ -7,15 +7,14 @@
 #include <layer_fcd/bend_state.h>
 #include <layer_fcd/kept_tool.h>
 #include <layer_fcd/layer_contents.h>
+#include <layer_fcd/layer_labels.h>
 #include <layer_fcd/layer_sequence.h>
 #include <layer_fcd/rest_shape.h>
 #include <layer_fcd/handle_sources.h>
 
 #include <algorithm>
-#include <limits>
 
 using vcg::fcd::Error;
-using vcg::fcd::ParallelFor;
 
 BendSession::BendSession(MeshDocument &document, MeshModel &layer)
     : document(document), layer(layer), rest(layer), reach([this] {
@@ -24,7 +23,7 @@ BendSession::BendSession(MeshDocument &document, MeshModel &layer)
       }),
       solver(document, layer) {
     if (layer.cm.vn == 0)
-        throw Error("The layer '" + layer.label().toStdString() + "' has no vertices, so there is nothing to bend.");
+        throw Error("The layer " + inQuotes(layer) + " has no vertices, so there is nothing to bend.");
     data.state.marks = marksNow(layer);
     isMarkedHere = hasMarks(layer);
     kept = LayerState::known(layer).tool;
@@ -57,44 +56,16 @@ bool BendSession::isAsLeft() const {
     return marks && state().marks ? *marks == *state().marks : !marks && !state().marks;
 }
 
-namespace {
-
-/// The live vertex nearest to a place, layer units. \param count of slots \param isDeleted, at of a slot
-template <class IsDeleted, class At>
-std::optional<std::size_t> nearestOf(std::size_t count, const Eigen::Vector3d &place, const IsDeleted &isDeleted,
-                                     const At &at) {
-    struct Found {
-        double square = std::numeric_limits<double>::infinity();
-        std::size_t slot = 0;
-    };
-    const std::size_t grain = 1 << 14;
-    std::vector<Found> found((count + grain - 1) / grain);
-    ParallelFor(0, count, grain, [&](std::size_t first, std::size_t last) {
-        Found here;
-        for (std::size_t i = first; i < last; ++i) {
-            const double square = (toVector(at(i)) - place).squaredNorm();
-            if (square < here.square && !isDeleted(i))
-                here = {square, i};
-        }
-        found[first / grain] = here;
-    });
-    const auto best = std::min_element(found.begin(), found.end(),
-                                       [](const Found &a, const Found &b) { return a.square < b.square; });
-    if (best == found.end() || !std::isfinite(best->square))
-        return {};
-    return best->slot;
-}
-
-} // namespace
-
 std::optional<std::size_t> BendSession::nearest(const Eigen::Vector3d &place, double &distance) const {
     const std::vector<CVertexO> &vertices = layer.cm.vert;
-    const auto slot = nearestOf(
-        vertices.size(), rest.world().inverse() * place, [&](std::size_t i) { return vertices[i].IsD(); },
-        [&](std::size_t i) { return vertices[i].cP(); });
-    if (slot)
-        distance = (positionOf(*slot) - place).norm();
-    return slot;
+    const Eigen::Vector3d at = rest.world().inverse() * place;
+    const std::optional<Least> found = leastOf(vertices.size(), [&](std::size_t i) {
+        return vertices[i].IsD() ? Least().value : (toVector(vertices[i].cP()) - at).squaredNorm();
+    });
+    if (!found)
+        return {};
+    distance = (positionOf(found->item) - place).norm();
+    return found->item;
 }
 
 /// The vertex on the other side of the mirror for the twin of a new handle; none if nothing free lies there.
@@ -103,10 +74,11 @@ std::optional<std::size_t> BendSession::twinSlot(std::size_t slot) const {
         return {};
     const vcg::fcd::SurfaceView view = surface->View();
     const Eigen::Vector3d there = rest.world().inverse() * (mirrorOf(data) * (rest.world() * rest.at(slot)));
-    const auto found = nearestOf(
-        view.vertexSlots, there, [&](std::size_t i) { return view.IsDeleted(i); },
-        [&](std::size_t i) { return rest.positions()[i]; });
-    return found && isTwin(data, slot, *found) && canBecomePoint(data, *found) ? found : std::nullopt;
+    const std::optional<Least> found = leastOf(view.vertexSlots, [&](std::size_t i) {
+        return view.IsDeleted(i) ? Least().value : (rest.at(i) - there).squaredNorm();
+    });
+    const bool isTwinThere = found && isTwin(data, slot, found->item) && canBecomePoint(data, found->item);
+    return isTwinThere ? std::optional(found->item) : std::nullopt;
 }
 
 Eigen::Vector3d BendSession::positionOf(std::size_t slot) const {
@@ -218,9 +190,8 @@ bool BendSession::goOn() {
     const auto isOnFree = [&s = known](const auto &each) { return isFree(s, each.second.slot); };
     if (!hasWeights || !haveSame(known.marks, state().marks, live) ||
         !std::all_of(known.points.begin(), known.points.end(), isOnFree))
-        throw vcg::fcd::Error(
-            "The handles that the layer '" + layer.label().toStdString() +
-            "' keeps do not fit its marks, or its poses: bends begin from the shape that it has now.");
+        throw Error("The handles that the layer " + inQuotes(layer) +
+                    " keeps do not fit its marks, or its poses: bends begin from the shape that it has now.");
     if (tool->isPosed)
         rest.keepPosed([this] { keepRest(); });
     data.state = std::move(known);
