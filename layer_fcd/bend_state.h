@@ -7,7 +7,6 @@
 #include <vcg_ext/handles/motion_text.h>
 #include <vcg_ext/sequence/pose_sequence.h>
 
-#include <algorithm>
 #include <array>
 #include <map>
 #include <memory>
@@ -19,13 +18,10 @@
 /// A handle around a vertex.
 struct BendPoint {
     std::size_t slot = 0;
-    double radius = 0; ///< reach if nothing is marked as fixed: how far from it the surface bends, world units
-    bool isGrip =
-        false; ///< it can turn: holds its surroundings up to half the radius, and the tip beyond; else only a spot
+    double radius = 0;   ///< reach if nothing is marked as fixed: how far from it the surface bends, world units
+    bool isGrip = false; ///< it can turn: holds what is within half the radius, and the tip beyond; else only a spot
 
-    bool operator==(const BendPoint &other) const {
-        return slot == other.slot && radius == other.radius && isGrip == other.isGrip;
-    }
+    bool operator==(const BendPoint &o) const { return slot == o.slot && radius == o.radius && isGrip == o.isGrip; }
 };
 
 /// What a user has set for a handle.
@@ -34,8 +30,8 @@ struct BendHandle {
     bool isHidden = false, isLocked = false; ///< not shown; not moved by the mouse
     std::optional<Eigen::Vector3d> pivot;    ///< at rest, world units; none: see pivotOf()
 
-    bool operator==(const BendHandle &other) const {
-        return name == other.name && isHidden == other.isHidden && isLocked == other.isLocked && pivot == other.pivot;
+    bool operator==(const BendHandle &o) const {
+        return name == o.name && isHidden == o.isHidden && isLocked == o.isLocked && pivot == o.pivot;
     }
 };
 
@@ -45,8 +41,8 @@ struct BendLinePoint {
     Eigen::Vector3d weight = Eigen::Vector3d::Zero(); ///< barycentric, of these; all 0: the point is not on the surface
     Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< its position then, world units
 
-    bool operator==(const BendLinePoint &other) const {
-        return corner == other.corner && weight == other.weight && place == other.place;
+    bool operator==(const BendLinePoint &o) const {
+        return corner == o.corner && weight == o.weight && place == o.place;
     }
 };
 
@@ -64,6 +60,9 @@ const double leastRadius = 0.005, mostRadius = 4; ///< the same unit; as in the 
 /// 300 patches on a ball: less than a patch would show as a crease.
 const double gapOfRadius = 0.2;
 
+/// The steps of the handles' motions, by tag.
+using BendMotions = std::map<int, std::vector<vcg::fcd::MotionStep>>;
+
 /// What undo and redo restore: which vertices are held, and how the handles move. If nothing is marked as fixed,
 /// handles bend the surface within their reach, and all else is fixed.
 struct BendState {
@@ -72,27 +71,18 @@ struct BendState {
     std::shared_ptr<const BendRims> rims;  ///< of the marks; null: 0 everywhere
     std::map<int, BendHandle> handles;     ///< by tag, if a user has set something
     std::map<int, int> rank;               ///< by tag, else 0: a gap keeps a handle from surface that lower ranks bend
-    std::map<int, std::vector<vcg::fcd::MotionStep>> motion; ///< by tag; world units
-    double pose = 100;                                       ///< percent of the motions
-    std::shared_ptr<const vcg::fcd::PoseSequence> poses;     ///< poses with names; null: none
+    BendMotions motion;                    ///< world units
+    double pose = 100;                     ///< percent of the motions
+    std::shared_ptr<const vcg::fcd::PoseSequence> poses; ///< poses with names; null: none
     std::vector<double> weights;     ///< percent of each of these, if the motions are their blend; else empty
     std::vector<BendLinePoint> line; ///< in its order
     std::size_t applies = 0;         ///< number since the tool started: each made its shape the rest shape
     std::size_t loads = 0;           ///< number of files since then: each brought options
 
-    bool operator==(const BendState &other) const {
-        const auto isSame = [](const vcg::fcd::MotionStep &a, const vcg::fcd::MotionStep &b) {
-            return a.kind == b.kind && a.vector == b.vector && a.degrees == b.degrees && a.about == b.about &&
-                   a.matrix == b.matrix;
-        };
-        return applies == other.applies && loads == other.loads && rims == other.rims && marks == other.marks &&
-               points == other.points && handles == other.handles && rank == other.rank && pose == other.pose &&
-               poses == other.poses && weights == other.weights && line == other.line &&
-               std::equal(motion.begin(), motion.end(), other.motion.begin(), other.motion.end(),
-                          [&](const auto &a, const auto &b) {
-                              return a.first == b.first && std::equal(a.second.begin(), a.second.end(),
-                                                                      b.second.begin(), b.second.end(), isSame);
-                          });
+    bool operator==(const BendState &o) const {
+        return applies == o.applies && loads == o.loads && rims == o.rims && marks == o.marks && points == o.points &&
+               handles == o.handles && rank == o.rank && pose == o.pose && poses == o.poses && weights == o.weights &&
+               line == o.line && motion == o.motion;
     }
 };
 
@@ -113,10 +103,9 @@ struct BendOptions {
     bool stretch = false; ///< the layer's colours show its stretch
 
     /// Whether the same marks and motions give the same shape.
-    bool givesSameShape(const BendOptions &other) const {
-        return smoothness == other.smoothness && falloff == other.falloff && elastic == other.elastic &&
-               rigidity == other.rigidity && pose == other.pose && initialPatches == other.initialPatches &&
-               weights == other.weights;
+    bool givesSameShape(const BendOptions &o) const {
+        return smoothness == o.smoothness && falloff == o.falloff && elastic == o.elastic && rigidity == o.rigidity &&
+               pose == o.pose && initialPatches == o.initialPatches && weights == o.weights;
     }
 };
 
@@ -145,8 +134,7 @@ struct BendOptions {
 ///     weights PERCENT ...     of each pose that has a name
 ///     line A B C WA WB WC X Y Z                   of each point: BendLinePoint's corners, weights and place
 ///
-/// Lines after the first may be left out. Live vertices are numbered from 0, as any program numbers them that opens the
-/// layer's file.
+/// Lines after the first may be left out. Live vertices are numbered from 0, as programs do that open the layer's file.
 
 /// The text of all but poses with names, applies and loads; numbers are to the bit.
 /// \param live slots of the live vertices, ascending

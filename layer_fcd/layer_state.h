@@ -25,8 +25,7 @@ struct PosedVertex {
     bool isAt(const Point3m &p) const { return p[0] == now[0] && p[1] == now[1] && p[2] == now[2]; }
 
     std::array<Scalarm, 3> now; ///< the position that the last pose gave it
-    std::uint64_t before; ///< the position before the last pose, where a preview begins, as in RestShape::placeOf; 0:
-                          ///< unknown
+    std::uint64_t before;       ///< RestShape::placeOf() before the last pose, where a preview begins; 0: unknown
 };
 
 /// A shape of a layer: positions and normals per vertex slot.
@@ -90,9 +89,7 @@ struct FitPair {
     std::optional<Eigen::Vector3d> place; ///< on the target, world units
 
     bool isWhole() const { return slot && place; }
-    bool operator==(const FitPair &other) const {
-        return name == other.name && slot == other.slot && place == other.place;
-    }
+    bool operator==(const FitPair &o) const { return name == o.name && slot == o.slot && place == o.place; }
 };
 
 /// The shape of a layer that is fitted: at rest, by its landmarks, or pulled onto the target.
@@ -106,13 +103,12 @@ struct FitOptions {
     double stiffness = 1;
     vcg::fcd::FitStart start = vcg::fcd::FitStart::Similar; ///< by landmarks only if these determine a motion
     double largestDistance = 0;                             ///< world units; 0: no limit
-    /// Weights of the layer's and of the target's vertices when the layer is pulled; of attributes, only
-    /// FitMeshParam::paintedAttribute.
+    /// Weights of the layer's and the target's vertices in a pull; of attributes, only FitMeshParam::paintedAttribute.
     FitMeshParam::Weights weights = FitMeshParam::AllCounts, targetWeights = FitMeshParam::AllCounts;
 
-    bool operator==(const FitOptions &other) const {
-        return stiffness == other.stiffness && start == other.start && largestDistance == other.largestDistance &&
-               weights == other.weights && targetWeights == other.targetWeights;
+    bool operator==(const FitOptions &o) const {
+        return stiffness == o.stiffness && start == o.start && largestDistance == o.largestDistance &&
+               weights == o.weights && targetWeights == o.targetWeights;
     }
 };
 
@@ -128,9 +124,9 @@ struct FitToolState {
 
     /// Whether anything is set besides the pairs and the shape.
     bool isSet() const { return !target.empty() || !curves.empty() || !(options == FitOptions()); }
-    bool operator==(const FitToolState &other) const {
-        return pairs == other.pairs && options == other.options && target == other.target && curves == other.curves &&
-               shown == other.shown && shape == other.shape && matrix == other.matrix;
+    bool operator==(const FitToolState &o) const {
+        return pairs == o.pairs && options == o.options && target == o.target && curves == o.curves &&
+               shown == o.shown && shape == o.shape && matrix == o.matrix;
     }
 };
 
@@ -157,17 +153,15 @@ struct MeasuredState {
     std::vector<std::uint64_t> gone;   ///< of vertices that were deleted since, as other filters move them to copies
 };
 
-/// What the plugins keep for a layer besides its mesh. The document owns it until the layer or the document is closed.
-/// Through an attribute of the mesh, without memory, the host tells where it moves vertices; values per vertex slot
-/// here move with them.
+/// What the plugins keep for a layer besides its mesh. The document owns it until layer or document are closed. By an
+/// attribute of the mesh, without memory, the host tells where it moves vertices: values per vertex slot move along.
 struct LayerState {
-    std::optional<RestState> rest;  ///< none: it has never been posed in place
-    std::optional<RestState> whole; ///< rest before vertices were deleted last, until the next pose: they may have been
-                                    ///< moved to a new layer
-    std::optional<KeptScan> scan;   ///< none: no tags replace colours or quality
-    std::vector<int> marks;         ///< tag - 1 per vertex slot; empty: none (kept_tool.h)
-    std::optional<MeasuredState> measured;          ///< none: no filter here has measured its quality
-    std::string appliedName;                        ///< of the attribute for the tool's tags; empty: none (kept_tool.h)
+    std::optional<RestState> rest;         ///< none: it has never been posed in place
+    std::optional<RestState> whole;        ///< rest before a deletion, until the next pose: it may have moved vertices
+    std::optional<KeptScan> scan;          ///< none: no tags replace colours or quality
+    std::vector<int> marks;                ///< tag - 1 per vertex slot; empty: none (kept_tool.h)
+    std::optional<MeasuredState> measured; ///< none: no filter here has measured its quality
+    std::string appliedName;               ///< of the attribute for the tool's tags; empty: none (kept_tool.h)
     std::optional<vcg::fcd::PoseSequence> poses;    ///< poses with names
     std::shared_ptr<const Deformation> deformation; ///< of a deformed graph
     std::shared_ptr<const ToolState> tool;          ///< null: FCD: Bend has marks and poses at most

@@ -22,6 +22,9 @@ struct MotionStep {
     std::optional<Eigen::Vector3d> about = std::nullopt;
     Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity(); ///< Matrix: affine
 
+    bool operator==(const MotionStep &o) const {
+        return kind == o.kind && vector == o.vector && degrees == o.degrees && about == o.about && matrix == o.matrix;
+    }
     static MotionStep Translate(const Eigen::Vector3d &by) { return {Translation, by}; }
     static MotionStep Rotate(const Eigen::Vector3d &axis, double degrees) { return {Rotation, axis, degrees}; }
     static MotionStep Scale(const Eigen::Vector3d &factors) { return {Scaling, factors}; }

@@ -12,11 +12,7 @@
 
 using vcg::fcd::MotionStep;
 
-const BendHandle &handleOf(const BendState &state, int tag) {
-    static const BendHandle usual;
-    const auto found = state.handles.find(tag);
-    return found == state.handles.end() ? usual : found->second;
-}
+const BendHandle &handleOf(const BendState &state, int tag) { return valueOr(state.handles, tag); }
 
 void setHandle(BendState &state, int tag, BendHandle handle) {
     if (handle == BendHandle())
@@ -30,11 +26,7 @@ std::string nameOf(const BendState &state, int tag) {
     return name.empty() ? "Handle " + std::to_string(tag) : name;
 }
 
-const std::vector<MotionStep> &motionOf(const BendState &state, int tag) {
-    static const std::vector<MotionStep> none;
-    const auto found = state.motion.find(tag);
-    return found == state.motion.end() ? none : found->second;
-}
+const std::vector<MotionStep> &motionOf(const BendState &state, int tag) { return valueOr(state.motion, tag); }
 
 std::string motionTextOf(const BendState &state, int tag) {
     if (motionOf(state, tag).empty())
@@ -65,10 +57,7 @@ std::string shortMotionOf(const BendState &state, int tag) {
     return words;
 }
 
-int rankOf(const BendState &state, int tag) {
-    const auto found = state.rank.find(tag);
-    return found == state.rank.end() ? 0 : found->second;
-}
+int rankOf(const BendState &state, int tag) { return valueOr(state.rank, tag); }
 
 int rankOfNew(const BendState &state) {
     int rank = 0;
@@ -77,14 +66,11 @@ int rankOfNew(const BendState &state) {
     return rank;
 }
 
-bool isGrip(const BendState &state, int tag) {
-    const auto point = state.points.find(tag);
-    return point != state.points.end() && point->second.isGrip;
-}
+bool isGrip(const BendState &state, int tag) { return valueOr(state.points, tag).isGrip; }
 
 bool isFree(const BendState &state, std::size_t slot) { return !state.marks || (*state.marks)[slot] == 1; }
 
-std::map<int, std::vector<MotionStep>> &motionByHand(BendState &state) {
+BendMotions &motionByHand(BendState &state) {
     state.weights.clear();
     return state.motion;
 }

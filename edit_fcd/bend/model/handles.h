@@ -14,6 +14,14 @@
 
 // --- what a state has of one handle, by its tag ---
 
+/// The value of a key, or else the usual one.
+template <class Map>
+const typename Map::mapped_type &valueOr(const Map &map, const typename Map::key_type &key) {
+    static const typename Map::mapped_type usual{};
+    const auto found = map.find(key);
+    return found == map.end() ? usual : found->second;
+}
+
 const BendHandle &handleOf(const BendState &state, int tag);
 void setHandle(BendState &state, int tag, BendHandle handle);
 std::string nameOf(const BendState &state, int tag); ///< for the user
@@ -31,7 +39,7 @@ bool isGrip(const BendState &state, int tag);
 /// Whether no mark holds a vertex.
 bool isFree(const BendState &state, std::size_t slot);
 /// The motions, for a change by hand: ends a blend of poses.
-std::map<int, std::vector<vcg::fcd::MotionStep>> &motionByHand(BendState &state);
+BendMotions &motionByHand(BendState &state);
 
 // --- marks, and the radius within which each bends the surface if nothing is marked as fixed; \a diagonal is that of
 // the bounding box; radii, rims and the diagonal are in world units ---

@@ -97,9 +97,9 @@ void Maker::findExtents(const BendTags &made) {
         for (const auto &[other, vertices] : handles) {
             if (other == tag)
                 continue;
-            const auto extent = all.extents.find(other);
-            const bool isNearTip = extent != all.extents.end() && !extent->second->beyond.empty() &&
-                                   extent->second->beyond.size() < own->beyond.size() && lies(extent->second->beyond);
+            const auto &extent = valueOr(all.extents, other);
+            const bool isNearTip =
+                extent && !extent->beyond.empty() && extent->beyond.size() < own->beyond.size() && lies(extent->beyond);
             if (isNearTip || lies(vertices))
                 all.beyond[tag].push_back(other);
         }
@@ -205,8 +205,8 @@ void Maker::hold(BendTags &made) {
         made[point.slot] = tag;
     }
     for (const int tag : nextFirst())
-        if (const auto point = now.points.find(tag); point != now.points.end() && point->second.isGrip)
-            holdGrip(made, tag, point->second.radius);
+        if (const BendPoint &point = valueOr(now.points, tag); point.isGrip)
+            holdGrip(made, tag, point.radius);
 }
 
 /// Makes a grip hold all that turns with it: its core, and the part beyond the bending strip. From this part it leaves
@@ -222,9 +222,9 @@ void Maker::holdGrip(BendTags &made, int tag, double radius) {
     for (std::size_t k = 0; k < own.around.size(); ++k) // so the strip that bends is as wide on all sides of a limb
         isIn[own.around[k]] = isIn[own.around[k]] || own.share[k] == 1;
     for (const int other : all.beyond[tag])
-        if (const auto extent = all.extents.find(other); extent != all.extents.end()) {
-            set(extent->second->around, false);
-            set(extent->second->beyond, false);
+        if (const auto &extent = valueOr(all.extents, other)) {
+            set(extent->around, false);
+            set(extent->beyond, false);
         }
     set(own.core, true);
     const double gap = gapOfRadius * radius;

@@ -44,11 +44,10 @@ Eigen::Vector3d centerOf(const BendModel &model, int tag) { return motionAt(mode
 Eigen::Vector3d dotOf(const BendModel &model, int tag) { return motionAt(model, tag) * handlePlace(model, tag); }
 
 std::optional<Eigen::Vector3d> jointOf(const BendModel &model, int tag) {
-    const auto extent = model.influence.extents.find(tag);
-    if (!isGrip(model.state, tag) || extent == model.influence.extents.end())
+    const auto &extent = valueOr(model.influence.extents, tag);
+    if (!isGrip(model.state, tag) || !extent || !extent->joint)
         return {};
-    const std::optional<Eigen::Vector3d> &joint = extent->second->joint;
-    return joint ? std::optional<Eigen::Vector3d>(model.ground.world * *joint) : std::nullopt;
+    return model.ground.world * *extent->joint;
 }
 
 Eigen::Vector3d pivotOf(const BendModel &model, int tag) {
@@ -114,10 +113,9 @@ bool isTwin(const BendModel &model, std::size_t slot, std::size_t other) {
 
 std::vector<int> carriedBy(const BendModel &model, int tag) {
     std::vector<int> carried;
-    if (const auto found = model.influence.beyond.find(tag); found != model.influence.beyond.end())
-        for (const int other : found->second)
-            if (!handleOf(model.state, other).isLocked && other != mirrored(model, tag))
-                carried.push_back(other);
+    for (const int other : valueOr(model.influence.beyond, tag))
+        if (!handleOf(model.state, other).isLocked && other != mirrored(model, tag))
+            carried.push_back(other);
     return carried;
 }
 
@@ -125,8 +123,7 @@ bool isKeptApart(const BendModel &model, int tag) { return model.influence.apart
 
 bool turnsLimb(const BendModel &model, int tag) { return jointOf(model, tag).has_value(); }
 
-// Least length of each of two bones, over the other. Beyond an elbow or a knee, both are about as long. A finger or a
-// foot is shorter, and turns alone.
+// Least length of each of two bones, over the other. A finger or a foot is shorter than that, and turns alone.
 const double shortestBone = 0.4;
 
 int jointBefore(const BendModel &model, int tag, const Eigen::Vector3d &held) {
@@ -180,7 +177,7 @@ bool isMoved(const BendModel &model) {
            });
 }
 
-void setMotion(BendModel &model, const std::map<int, std::vector<MotionStep>> &steps) {
+void setMotion(BendModel &model, const BendMotions &steps) {
     auto &motion = motionByHand(model.state);
     for (const auto &[tag, here] : steps) {
         if (const int other = mirrored(model, tag);
@@ -245,8 +242,7 @@ void forgetGone(BendModel &model) {
     forget(now.rank);
 }
 
-bool keepPlaces(const BendModel &model, const std::map<vcg::fcd::Index, Eigen::Vector3d> &before,
-                std::map<int, std::vector<MotionStep>> &motion) {
+bool keepPlaces(const BendModel &model, const std::map<vcg::fcd::Index, Eigen::Vector3d> &before, BendMotions &motion) {
     bool isPlaced = false;
     for (auto &[tag, steps] : motion)
         if (const auto was = before.find(tag);

@@ -45,8 +45,7 @@ BendInfluence influenceOf(const BendState &state, const BendGround &ground,
 /// The gap of the usual radius, world units.
 inline double usualGap(double diagonal) { return gapOfRadius * usualRadius * diagonal; }
 
-/// The state of a bend, its options and their consequences. The functions here only read and change these data;
-/// BendSession changes layers.
+/// The state of a bend, its options and consequences. Functions here change only these data; BendSession, layers.
 struct BendModel {
     BendState state;
     BendOptions options;
@@ -81,8 +80,7 @@ bool isTwin(const BendModel &model, std::size_t slot, std::size_t other);
 
 /// The handles that move along with one: those beyond it, except locked ones.
 std::vector<int> carriedBy(const BendModel &model, int tag);
-/// Whether a handle bends less than its radius, since others have bent the surface beside it. Setting its radius ends
-/// that.
+/// Whether a handle bends less than its radius since others bend the surface beside it. Setting its radius ends that.
 bool isKeptApart(const BendModel &model, int tag);
 /// Whether a handle turns a limb about its joint.
 bool turnsLimb(const BendModel &model, int tag);
@@ -101,7 +99,7 @@ double radiusOf(const BendModel &model, int tag); ///< world units
 std::map<vcg::fcd::Index, vcg::fcd::Motion> motionsOf(const BendModel &model);
 bool isMoved(const BendModel &model); ///< whether any handle is away from rest
 /// Sets the motions of handles, and of their twins, except locked ones.
-void setMotion(BendModel &model, const std::map<int, std::vector<vcg::fcd::MotionStep>> &steps);
+void setMotion(BendModel &model, const BendMotions &steps);
 /// \throw vcg::fcd::Error it is not the text of a motion
 void setMotionText(BendModel &model, int tag, const std::string &text);
 /// \throw vcg::fcd::Error it is not a text of motions, or has other handles
@@ -114,7 +112,6 @@ void setPivot(BendModel &model, int tag, const std::optional<Eigen::Vector3d> &p
 void forgetGone(BendModel &model);
 /// Changes steps so that motions stay the same although the middles of handles have moved. \param before the earlier
 /// middles, by tag \return whether any step has changed
-bool keepPlaces(const BendModel &model, const std::map<vcg::fcd::Index, Eigen::Vector3d> &before,
-                std::map<int, std::vector<vcg::fcd::MotionStep>> &motion);
+bool keepPlaces(const BendModel &model, const std::map<vcg::fcd::Index, Eigen::Vector3d> &before, BendMotions &motion);
 
 #endif

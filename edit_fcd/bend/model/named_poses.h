@@ -37,9 +37,8 @@ vcg::fcd::PoseSequence withKeyFrames(vcg::fcd::PoseSequence poses, std::vector<v
 /// Adds the shown blend as a key frame, a second after the others.
 /// \param moves whether anything is moved \throw vcg::fcd::Error no pose is shown
 vcg::fcd::PoseSequence withKeyFrame(const BendState &state, bool moves);
-/// The frames from one time to another, \p rate a second, each as a key frame: a range that cuts an easing has no other
-/// exact table. The whole range is returned unchanged. \throw vcg::fcd::Error the range ends before it begins; as
-/// FrameTimes
+/// The frames from one time to another, \p rate a second, each as a key frame: where an easing is cut, no other table
+/// is exact. The whole range stays as it is. \throw vcg::fcd::Error it ends before it begins; as FrameTimes
 vcg::fcd::PoseSequence partOfAnimation(vcg::fcd::PoseSequence poses, double from, double to, double rate);
 
 // --- onion skin: the shapes of the key frames before and after the shown one ---

@@ -27,13 +27,11 @@ struct BendStroke {
     Eigen::Vector3d through; ///< the middle of the body at its begin, as seen; the pivot if it is on no limb; world
 };
 
-/// A layer while it is bent: its rest shape, a BendModel, and the deformer prepared for it. It knows neither mouse nor
-/// screen.
+/// A layer while it is bent: rest shape, BendModel, and the deformer for it. It knows neither mouse nor screen.
 ///
 /// The layer shows the pose; its tags are the marks, and colours, quality and textures are unchanged. leave() gives it
 /// the exact pose that a filter makes. The session continues when the tool comes back. Motions and places are in world
-/// units, after the layer's matrix. (It has more than 25 functions: a change of marks, named poses or shape changes all
-/// of them.)
+/// units, after the layer's matrix. (It has more than 25 functions: changes of marks, poses or shape change all.)
 class BendSession {
   public:
     /// The present shape of \p layer becomes the rest shape, its tags the marks.
@@ -75,8 +73,7 @@ class BendSession {
     /// surface is being read. \param usual as in addPoint()
     std::shared_ptr<const BendExtent> glimpse(std::size_t slot, double usual);
     std::shared_ptr<const BendExtent> glimpseOf(int tag);
-    /// The same for what symmetry adds. Null if that is nothing. \param tag of a handle, or 0: a new one \param own its
-    /// extent
+    /// The same for what symmetry adds; null: nothing. \param tag of a handle, or 0: a new one \param own its extent
     std::shared_ptr<const BendExtent> glimpseTwin(int tag, const BendExtent &own);
     /// The same for the limb that limbAt() would turn, at a vertex or a handle. \return also its handle, 0: a new one
     std::pair<int, std::shared_ptr<const BendExtent>> glimpseLimb(int tag, std::optional<std::size_t> slot,
@@ -127,8 +124,7 @@ class BendSession {
     /// that place already, or else a new one. \pre, usual as addPoint() \return its tag \throw vcg::fcd::Error the
     /// stroke leads along no limb, or to fixed vertices
     int strokeAt(const BendStroke &stroke, double usual);
-    /// Sets the radius within which a handle and its twin bend the surface if nothing is marked as fixed, world units;
-    /// clamped to the panel's range.
+    /// Sets the radius within which handle and twin bend if nothing is fixed, world units; clamped to the panel's.
     void setRadius(int tag, double radius);
     /// Sets the radius for a vertex that is marked as fixed, and for fixed vertices connected with it.
     void setRimAt(std::size_t slot, double radius);
@@ -171,8 +167,7 @@ class BendSession {
         }
     };
     BlendSource blendSource() const;
-    /// Computes these shapes. \return null if a pose moves a handle that does not exist \pre not between beginBeside()
-    /// and endBeside()
+    /// Computes these shapes; null if a pose moves a handle that is gone. \pre not in beginBeside() to endBeside()
     std::shared_ptr<BlendShapes> blendShapes();
 
     /// A snapshot of an animation for export.
@@ -191,8 +186,7 @@ class BendSession {
     /// \throw vcg::fcd::Error as blend(), prepare() and WriteFrames; or the file cannot be written
     void exportAnimation(const Animation &animation, const AnimationExport &how, ExportedAnimation &made,
                          const vcg::fcd::Progress &progress);
-    /// Adds a hidden layer for each frame, all or none, and frees the frames. The layer itself is at rest then, and the
-    /// current one.
+    /// Adds a hidden layer for each frame, all or none, and frees the frames. The layer is at rest then, and current.
     void addLayers(ExportedAnimation &made, const Remark &remark);
     /// The filter call that makes the same.
     std::string exportCall(const Animation &animation, const AnimationExport &how) const;
@@ -220,14 +214,12 @@ class BendSession {
     /// The contact of the last pose, if it was looked for.
     const vcg::fcd::SurfaceContact &contact() const { return contactOfPose; }
 
-    /// Gives the layer the present pose as FCD: Pose in Place makes it. It stays a pose of the rest shape, and the
-    /// session continues if the layer isAsLeft(). \return the filter calls; empty if the layer has the pose already, or
-    /// is at rest
+    /// Gives the layer the present pose as FCD: Pose in Place makes it. It stays a pose of the rest shape; the session
+    /// continues if the layer isAsLeft(). \return the filter calls; empty: it has the pose already, or is at rest
     std::string leave(const Remark &remark);
     /// The same, and the pose becomes the rest shape.
     std::string applyInPlace(const Remark &remark);
-    /// Resets the layer, and adds layers with the pose as FCD: Deform Mesh makes it; one of them becomes the current
-    /// layer. \return the filter call
+    /// Resets the layer, and adds layers as FCD: Deform Mesh does; one becomes the current one. \return the filter call
     std::string applyToNewLayer(bool graphLayers, const Remark &remark);
 
   private:

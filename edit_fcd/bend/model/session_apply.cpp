@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/model/handles.h"
 #include "edit_fcd/bend/model/session.h"
-#include "edit_fcd/shape/layer_shape.h"
 
 #include <layer_fcd/kept_tool.h>
 #include <layer_fcd/layer_contents.h>

@@ -14,7 +14,7 @@ using vcg::fcd::Motion;
 using vcg::fcd::PoseSequence;
 
 /// Adds the options that all filter calls share.
-static std::string withShape(ScriptCall call, const BendOptions &options) {
+static ScriptCall withShape(ScriptCall call, const BendOptions &options) {
     const BendOptions usual;
     if (options.smoothness != usual.smoothness)
         call.with("smoothness", asTyped(options.smoothness));
@@ -23,7 +23,7 @@ static std::string withShape(ScriptCall call, const BendOptions &options) {
         call.with("elastic", true);
     else if (options.rigidity != usual.rigidity)
         call.with("rigidity", asTyped(options.rigidity));
-    return call.with("initial_patches", options.initialPatches, usual.initialPatches).end();
+    return call.with("initial_patches", options.initialPatches, usual.initialPatches);
 }
 
 /// The call that writes the file of poses.
@@ -40,15 +40,14 @@ std::string BendSession::filterCall(const std::string &script, const Call &own, 
     if (own.pose != usual.pose)
         call.with("pose", asTyped(own.pose));
     call.with("weights", int(data.options.weights), int(usual.weights));
-    std::string text = withShape(call, data.options);
-    return graphLayers ? text : text.insert(text.size() - 1, ", graph_layers=False");
+    return withShape(call, data.options).with("graph_layers", graphLayers, true).end();
 }
 
 std::string BendSession::sequenceCall(bool hasTable) const {
     ScriptCall call("generate_fcd_pose_sequence");
     if (hasTable)
         call.with("poses_file", std::string("poses.csv"));
-    return withShape(call.with("handles", 2).with("tag_attribute", appliedTags(document, layer)), data.options);
+    return withShape(call.with("handles", 2).with("tag_attribute", appliedTags(document, layer)), data.options).end();
 }
 
 /// The number of the pose in the filter, if one pose is shown alone and it turns each handle that any other pose turns.
@@ -84,8 +83,7 @@ BendSession::Call BendSession::callOfPose() const {
     return {vcg::fcd::WriteMotionText(state().motion), data.options.pose, state().weights.empty()};
 }
 
-/// The calls for a new layer with the shown blend: a table with one key frame, and the call that reads it. Empty if the
-/// filter lacks a parameter.
+/// The calls for a new layer with the blend: a table with one key frame, and its reader. Empty: a parameter is missing.
 std::string BendSession::blendCall() const {
     if (data.options.weights != BendOptions().weights)
         return {};
@@ -125,7 +123,7 @@ std::string BendSession::exportCall(const Animation &animation, const AnimationE
         call.with(how.isPc2() ? "pc2_file" : how.isMdd() ? "mdd_file" : "gltf_file", how.file.toStdString());
     if (how.isGltf())
         call.with("gltf_shapes", int(how.shapes), 0);
-    std::string text = withShape(call, data.options);
+    std::string text = withShape(call, data.options).end();
     if (data.options.weights != BendOptions().weights)
         text += " (nearly: FCD: Pose Sequence has no other distances)";
     return isWhole ? text : tableCall(animation.poses, animation.key) + text;

@@ -3,7 +3,6 @@
 #include "edit_fcd/bend/model/session.h"
 
 #include <layer_fcd/kept_tool.h>
-#include <layer_fcd/tagging.h>
 
 #include <algorithm>
 #include <cassert>
@@ -13,8 +12,7 @@ using vcg::fcd::PoseSequence;
 
 // Marks and handles.
 
-// A limb turns by itself if its radius is at most this fraction of that of the turned limb on which it is. A finger on
-// an arm does, a forearm does not.
+// A limb turns by itself if its radius is at most so much of that of the turned limb it is on, as a finger on an arm.
 const double thinLimb = 0.5;
 
 int BendSession::addPoint(std::size_t slot, double usual) {

@@ -3,7 +3,6 @@
 
 #include "edit_fcd/bend/model/animation_export.h" // before Qt
 #include "edit_fcd/bend/model/handles.h"
-#include "edit_fcd/bend/model/named_poses.h"
 #include "edit_fcd/bend/model/session.h"
 
 #include <layer_fcd/layer_sequence.h>
@@ -19,8 +18,7 @@ using vcg::fcd::Motion;
 using vcg::fcd::MotionStep;
 using vcg::fcd::PoseSequence;
 
-/// A text of motions without names of layers, since work in the background cannot read layers. If a layer is missing,
-/// the text is unchanged: reading it reports that.
+/// A text of motions without names of layers, which the background cannot read. If one is missing, it is unchanged.
 std::string BendSession::inNumbers(const std::string &motions) const {
     if (besides) {
         const auto known = besides->poses.find(motions);
@@ -120,7 +118,7 @@ void BendSession::writePoses() {
 std::string BendSession::keepPose() {
     if (!isMoved(data))
         throw Error("Nothing was moved, so there is no pose to keep.");
-    std::map<int, std::vector<MotionStep>> motion = state().motion;
+    BendMotions motion = state().motion;
     if (const double percent = data.options.pose; percent != 100)
         for (auto &[tag, steps] : motion) {
             const Eigen::Vector3d place = data.rest(tag);
@@ -152,7 +150,7 @@ void BendSession::blend(const std::vector<double> &weights) {
     for (std::size_t i = 0; i < weights.size(); ++i)
         if (weights[i] != 0)
             shown.push_back(i);
-    std::map<int, std::vector<MotionStep>> blended;
+    BendMotions blended;
     if (shown.size() == 1 && weights[shown.front()] == 100) {
         blended = readMotionSteps(document, layer, QString::fromStdString(state().poses->pose[shown.front()].motions));
     } else {
