@@ -5,7 +5,8 @@
 
 #include <algorithm>
 #include <limits>
-#include <map>
+
+using vcg::fcd::Index;
 
 // Extents of handles: the surface around, and the tips of the limb.
 
@@ -19,39 +20,36 @@ const float otherLimb = 0.1f;
 
 const double coreSize = 0.5; // share of the radius that moves with a handle; the other half bends
 
-// Least distance of a joint from its handle, over the radius. If fixed surface lies all around the handle, the middle
-// of the bending strip is at the handle. If it lies at one side, as on a limb, that middle is at least half a radius
-// away. The limit is between the two.
+// Least distance of a joint from its handle, over the radius. Between fixed surface all around, the middle of the
+// bending strip is at the handle. If it lies at one side, as on a limb, that middle is half a radius away or more.
 const double nearestJoint = 0.25;
 
-// The same at the end of a limb. Around a vertex of a ball, the middle of the strip is less than half a radius away,
-// however large the radius.
+// The same at the end of a limb: around a vertex of a ball, the strip is less than half a radius away, for any radius.
 const double nearestJointOfEnd = 0.5;
 
 /// Tells which pieces beside a ball are tips of the limb at its middle. These are the pieces that a ball of half the
 /// radius cuts off, or a ball up to largestBall times the smallest one that cuts off any piece. \param ball nodes,
 /// nearest first \param distances of these, frame units \return also whether these tips are of one limb: as the ball
 /// shrinks, they meet each other before the rest
-std::pair<std::vector<char>, bool> BendReach::tipsOfLimb(const Pieces &pieces, const std::vector<vcg::fcd::Index> &ball,
+std::pair<std::vector<char>, bool> BendReach::tipsOfLimb(const Pieces &pieces, const std::vector<Index> &ball,
                                                          const std::vector<double> &distances) const {
     std::vector<char> isOfLimb(pieces.area.size(), 0);
     const std::size_t none = ball.size();
     std::vector<std::size_t> placeOf(pieces.of.size(), none);
     for (std::size_t k = 0; k < ball.size(); ++k)
         placeOf[std::size_t(ball[k])] = k;
-    // Shrinks the ball: its nodes join the pieces. Once a piece meets the largest one, a smaller ball does not cut it
-    // off.
-    using vcg::fcd::Index;
+    // Shrinks the ball: its nodes join the pieces. Once a piece meets the largest, no smaller ball cuts it off.
     vcg::fcd::DisjointSets joined{Index(pieces.area.size() + ball.size())}; // pieces, then nodes of the ball
     const auto areOne = [&](std::size_t a, std::size_t b) { return joined.Root(Index(a)) == joined.Root(Index(b)); };
     std::vector<std::size_t> met(pieces.area.size(), 0); // by which node of the ball
-    std::vector<std::size_t> left;
+    std::vector<std::size_t> small;
     for (std::size_t which = 0; which < pieces.area.size(); ++which)
         if (pieces.isTip(which))
-            left.push_back(which);
+            small.push_back(which);
+    std::vector<std::size_t> left = small;
     for (std::size_t k = ball.size(); k-- > 0 && !left.empty();) {
         const std::size_t own = pieces.area.size() + k;
-        for (const vcg::fcd::Index v : surface->graph.adjacency[ball[k]]) {
+        for (const Index v : surface->graph.adjacency[ball[k]]) {
             const auto beside = std::size_t(v);
             if (pieces.of[beside] >= 0)
                 joined.Join(pieces.of[beside], Index(own));
@@ -67,19 +65,18 @@ std::pair<std::vector<char>, bool> BendReach::tipsOfLimb(const Pieces &pieces, c
         if (areOne(own, pieces.largest))
             left.erase(std::remove_if(left.begin(), left.end(), meets), left.end());
     }
-    double most = distances.empty() ? 0 : coreSize * distances.back(), least = std::numeric_limits<double>::infinity();
-    for (std::size_t which = 0; which < pieces.area.size(); ++which)
-        if (pieces.isTip(which))
-            least = std::min(least, distances[met[which]]);
-    most = std::max(most, largestBall * least);
+    const double core = distances.empty() ? 0 : coreSize * distances.back();
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::size_t which : small)
+        least = std::min(least, distances[met[which]]);
     std::map<std::size_t, float> area; // of the tips that meet the rest together
-    for (std::size_t which = 0; which < pieces.area.size(); ++which) {
-        isOfLimb[which] = pieces.isTip(which) && distances[met[which]] <= most;
-        if (isOfLimb[which])
+    for (const std::size_t which : small)
+        if (distances[met[which]] <= std::max(core, largestBall * least)) {
+            isOfLimb[which] = 1;
             area[met[which]] += pieces.area[which];
-    }
+        }
     float largest = 0;
-    for (std::size_t k = 0; k < ball.size() && distances[k] <= coreSize * distances.back(); ++k)
+    for (std::size_t k = 0; k < ball.size() && distances[k] <= core; ++k)
         largest += surface->nodeArea[std::size_t(ball[k])];
     for (const auto &[node, each] : area)
         largest = std::max(largest, each);
@@ -105,7 +102,7 @@ std::shared_ptr<BendExtent> BendReach::kept(const std::vector<std::size_t> &vert
     made.vertices = vertices;
     made.radius = radius;
     std::vector<double> distances;
-    const std::vector<vcg::fcd::Index> ball = nodesWithin(vertices, radius, &distances);
+    const std::vector<Index> ball = nodesWithin(vertices, radius, &distances);
     const std::vector<char> isInside = isAmong(ball);
     made.around = slotsOf(isInside);
     const Pieces beside = piecesBeside(isInside);
@@ -165,19 +162,17 @@ void BendReach::findShares(BendExtent &made) const {
         for (const std::size_t i : *vertices)
             if (surface->nodeOf[i] >= 0)
                 part[std::size_t(surface->nodeOf[i])] = which;
-    std::vector<vcg::fcd::Index> edge; // nodes that stay, beside nodes around the handle
-    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u)
+    std::vector<Index> edge; // nodes that stay, beside nodes around the handle
+    for (Index u = 0; u < graph.Size(); ++u)
         if (part[std::size_t(u)] == Stays) {
             const auto near = graph.adjacency[u];
-            if (std::any_of(near.begin(), near.end(),
-                            [&](vcg::fcd::Index v) { return part[std::size_t(v)] == Around; }))
+            if (std::any_of(near.begin(), near.end(), [&](Index v) { return part[std::size_t(v)] == Around; }))
                 edge.push_back(u);
         }
     const double radius = made.radius / surface->frame.scale, strip = (1 - coreSize) * radius;
     std::vector<float> share(part.size(), 1);
     std::vector<double> distances;
-    const std::vector<vcg::fcd::Index> near =
-        vcg::fcd::NodesWithin(graph, edge, strip, vcg::fcd::Ways::Surface, &distances);
+    const std::vector<Index> near = vcg::fcd::NodesWithin(graph, edge, strip, vcg::fcd::Ways::Surface, &distances);
     Eigen::Vector4d outer = Eigen::Vector4d::Zero(), inner = outer; // sum of area times place, and of area
     Eigen::Vector3d place = Eigen::Vector3d::Zero();
     for (std::size_t k = 0; k < near.size(); ++k) {
@@ -223,8 +218,7 @@ const double leastGirth = 5. / 3;
 // Length of the part of the limb that the girth is measured on, behind the ball, over the ball's radius.
 const double lengthOfGirth = 1. / 3;
 
-// Least area of the tip behind the ball, over the square of the ball's radius: as in a tip half as long as it is thick.
-// Anything smaller is a spike of a scan.
+// Least area of the tip behind the ball, over the square of its radius: a tip half as long as thick. Less is a spike.
 const double leastArea = 0.5;
 
 const std::size_t mostClosing = 10000; // that are kept, of one surface
@@ -250,7 +244,7 @@ double BendReach::closingRadius(std::size_t slot, double usual) {
 double BendReach::findClosingRadius(std::size_t slot, double usual) {
     const vcg::fcd::Graph &graph = surface->graph;
     std::vector<double> distances;
-    const std::vector<vcg::fcd::Index> ball = nodesWithin({slot}, (1 + lengthOfGirth) * usual, &distances);
+    const std::vector<Index> ball = nodesWithin({slot}, (1 + lengthOfGirth) * usual, &distances);
     const Pieces beside = piecesBeside(isAmong(ball));
     const std::size_t pieces = beside.area.size(), none = ball.size();
     if (pieces == 0)
@@ -258,11 +252,11 @@ double BendReach::findClosingRadius(std::size_t slot, double usual) {
     std::vector<std::size_t> placeOf(beside.of.size(), none);
     for (std::size_t k = 0; k < ball.size(); ++k)
         placeOf[std::size_t(ball[k])] = k;
-    std::vector<Part> part(pieces + ball.size()); // the pieces beside, then a part for each node of the ball
-    vcg::fcd::DisjointSets joined{vcg::fcd::Index(part.size())}; // a joined part has the data of its root
+    std::vector<Part> part(pieces + ball.size());      // the pieces beside, then a part for each node of the ball
+    vcg::fcd::DisjointSets joined{Index(part.size())}; // a joined part has the data of its root
     for (std::size_t p = 0; p < pieces; ++p)
         part[p] = {part[p].reach, double(beside.area[p]), !beside.isTip(p)};
-    const auto rootOf = [&](std::size_t a) { return std::size_t(joined.Root(vcg::fcd::Index(a))); };
+    const auto rootOf = [&](std::size_t a) { return std::size_t(joined.Root(Index(a))); };
     const auto isLimb = [&](std::size_t which, std::size_t k) {
         const double radius = distances[k];
         if (part[which].isRest || part[which].area < leastArea * radius * radius ||
@@ -274,14 +268,13 @@ double BendReach::findClosingRadius(std::size_t slot, double usual) {
                 area += surface->nodeArea[std::size_t(ball[i])];
         return area >= leastGirth * radius * lengthOfGirth * radius;
     };
-    // Shrinks the ball: its nodes join the parts outside. Once two parts meet, a smaller ball does not cut off the one
-    // of less reach.
+    // Shrinks the ball: its nodes join the parts outside. Once two meet, none smaller cuts off that of less reach.
     const double most = usual / surface->frame.scale;
     double cut = 0;
     for (std::size_t k = ball.size(); k-- > 0;) {
         std::size_t own = pieces + k;
         part[own] = {distances[k], surface->nodeArea[std::size_t(ball[k])], false};
-        for (const vcg::fcd::Index v : graph.adjacency[ball[k]]) {
+        for (const Index v : graph.adjacency[ball[k]]) {
             const int number = beside.of[std::size_t(v)];
             const std::size_t place = placeOf[std::size_t(v)];
             if (number < 0 && (place == none || place < k))
@@ -296,7 +289,7 @@ double BendReach::findClosingRadius(std::size_t slot, double usual) {
                 cut = distances[k];
             part[other].area += part[own].area;
             const Part both = part[other];
-            joined.Join(vcg::fcd::Index(own), vcg::fcd::Index(other));
+            joined.Join(Index(own), Index(other));
             own = rootOf(own);
             part[own] = both;
         }

@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
+
+using vcg::fcd::Index;
 
 // Where a limb begins.
 
@@ -29,8 +30,7 @@ const double nearestPart = 16, wayOff = 1.3;
 // less than leastFlat of a flat ring's. Around the end of a limb, at twice the limb's thickness, it has a third.
 const double quickPart = 6, leastFlat = 0.8;
 
-// Distance of the farthest one, over the radius of the ball that closes around the limb at the vertex. A limb that is
-// much thinner has no vertex beyond.
+// Distance of the farthest one, over the radius of the ball that closes around the limb. Much thinner limbs have none.
 const double farOfCut = 0.75;
 
 const float leastShare = 0.5; // of a vertex that turns with its limb, and does not rather stay
@@ -47,16 +47,15 @@ const std::size_t leastSections = 2 * std::size_t(binsOfThickness);
 
 // A limb has a joint where the line through the middles of its sections turns by this many degrees from one thickness
 // to the next, and by less than restOfBend of that a thickness before and behind. A straight limb seems to turn by up
-// to 9; a tail that is bent all along turns by up to 20, but by about as much beside. An elbow shows two thirds of its
-// bend.
+// to 9; a tail that is bent all along, by up to 20, but as much beside. An elbow shows two thirds of its bend.
 const double leastBend = 18, restOfBend = 0.7;
 
 // A vertex is pointed if the area within the usual radius is less than this share of a flat disc's. The corner of a
 // cube has 0.75 of it, the tip of a cone with an angle of 80 degrees 0.64.
 const double leastFlatEnd = 0.65;
 
-// Least distance of its joint from the surface, over the radius: it is 0 at the corner of a sheet, and 0.25 in a limb
-// half as thick as the radius is long.
+// Least distance of its joint from the surface, over the radius: 0 at a corner of a sheet, 0.25 in a limb half as
+// thick.
 const double leastInside = 0.125;
 
 const double nearestEnd = 4; // an end is farther from the center than all within that fraction of the usual radius
@@ -68,9 +67,9 @@ std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual,
     const double cut = closingRadius(slot, usual), most = cut > 0 ? farOfCut * cut : usual / 4;
     // Near the end of a limb, nothing lies beyond the vertex. Then it may lie beyond another one, towards the body.
     std::vector<double> distances;
-    const std::vector<vcg::fcd::Index> ball = nodesWithin({slot}, usual, &distances);
-    const auto placeOf = [&](vcg::fcd::Index u) { return surface->graph.position.col(u); };
-    const auto isNearer = [&](vcg::fcd::Index u, vcg::fcd::Index v) {
+    const std::vector<Index> ball = nodesWithin({slot}, usual, &distances);
+    const auto placeOf = [&](Index u) { return surface->graph.position.col(u); };
+    const auto isNearer = [&](Index u, Index v) {
         return (placeOf(u) - placeOf(ball.back())).squaredNorm() < (placeOf(v) - placeOf(ball.back())).squaredNorm();
     };
     const Pointed pointed{slot, usual, hair, nearer};
@@ -118,15 +117,14 @@ std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual,
     return endOfShortLimb(pointed);
 }
 
-/// Twice the thickness of a limb at its end, where a ball of the usual radius reaches around it; world units. 0: the
-/// vertex is at no such end.
+/// Twice the thickness of a limb at its end, which a ball of the usual radius reaches around, world units; else 0.
 double BendReach::radiusAtEnd(std::size_t slot, double usual) {
     std::vector<double> distances;
-    const std::vector<vcg::fcd::Index> ball = nodesWithin({slot}, usual, &distances);
+    const std::vector<Index> ball = nodesWithin({slot}, usual, &distances);
     const double unit = usual / surface->frame.scale, ring = unit / ringsOfRadius;
     double all = 0, outer = 0;
     for (std::size_t k = 0; k < ball.size(); ++k) {
-        for (const vcg::fcd::Index v : surface->graph.adjacency[ball[k]])
+        for (const Index v : surface->graph.adjacency[ball[k]])
             if (double((surface->graph.position.col(v) - surface->graph.position.col(ball[k])).norm()) > ring)
                 return 0; // the areas of nodes tell nothing here
         const double area = surface->nodeArea[std::size_t(ball[k])];
@@ -139,16 +137,13 @@ double BendReach::radiusAtEnd(std::size_t slot, double usual) {
 
 /// Tells whether a vertex is the end of something like a thumb or a short tail: pointed, and with its joint inside.
 bool BendReach::isRoundEnd(std::size_t slot, const Pointed &at) {
-    const std::vector<vcg::fcd::Index> ball = nodesWithin({slot}, at.usual);
+    const std::vector<Index> ball = nodesWithin({slot}, at.usual);
     const double unit = at.usual / surface->frame.scale;
-    double area = 0;
-    for (const vcg::fcd::Index u : ball)
-        area += surface->nodeArea[std::size_t(u)];
-    if (area > leastFlatEnd * EIGEN_PI * unit * unit)
+    if (areaOf<double>(ball) > leastFlatEnd * EIGEN_PI * unit * unit)
         return false;
     const auto joint = whole({slot}, at.usual, at.hair)->joint;
     const Eigen::Vector3d inside = surface->frame.ToFrame(joint.value_or(Eigen::Vector3d::Zero()));
-    return joint && std::all_of(ball.begin(), ball.end(), [&](vcg::fcd::Index u) {
+    return joint && std::all_of(ball.begin(), ball.end(), [&](Index u) {
                return (surface->graph.position.col(u).cast<double>() - inside).norm() > leastInside * unit;
            });
 }
@@ -158,8 +153,8 @@ bool BendReach::isRoundEnd(std::size_t slot, const Pointed &at) {
 std::optional<std::size_t> BendReach::endOfShortLimb(const Pointed &at) {
     const vcg::fcd::Graph &graph = surface->graph;
     const auto farthest = [&](std::size_t from, double radius) {
-        const std::vector<vcg::fcd::Index> ball = nodesWithin({from}, radius);
-        return slotOf(*std::max_element(ball.begin(), ball.end(), [&](vcg::fcd::Index u, vcg::fcd::Index v) {
+        const std::vector<Index> ball = nodesWithin({from}, radius);
+        return slotOf(*std::max_element(ball.begin(), ball.end(), [&](Index u, Index v) {
             return (graph.position.col(u) - middleOfAll).squaredNorm() <
                    (graph.position.col(v) - middleOfAll).squaredNorm();
         }));
@@ -167,10 +162,7 @@ std::optional<std::size_t> BendReach::endOfShortLimb(const Pointed &at) {
     const auto isEnd = [&](std::size_t slot) {
         if ((radiusAtEnd(slot, at.usual) < at.usual && !isRoundEnd(slot, at)) || !turnsOneLimb(slot, at))
             return false;
-        float turned = 0;
-        for (const vcg::fcd::Index u : nodesWithin({slot}, radiusAt(slot, at.usual)))
-            turned += surface->nodeArea[std::size_t(u)];
-        return turned < largestLimb * areaOfAll;
+        return areaOf<float>(nodesWithin({slot}, radiusAt(slot, at.usual))) < largestLimb * areaOfAll;
     };
     const std::size_t end = farthest(at.slot, 2 * at.usual);
     if (isEnd(end))
@@ -240,64 +232,69 @@ static std::optional<std::size_t> jointBetween(std::size_t start, std::size_t en
     return {};
 }
 
-/// The same for a vertex of the limb, if something of it lies beyond. \param pointed the vertex that is to turn
-std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double radius, const Pointed &pointed) {
-    const vcg::fcd::Index own = surface->nodeOf[slot];
-    const auto grip = whole({slot}, radius, pointed.hair);
-    if (!grip->joint)
-        return {};
-    const vcg::fcd::Graph &graph = surface->graph;
-    const double all = std::numeric_limits<double>::infinity();
-    std::vector<char> isBeyond(std::size_t(graph.Size()), 0);
-    std::size_t left = 0; // nodes beyond that are not met
-    for (const std::size_t i : grip->beyond)
-        if (const vcg::fcd::Index u = surface->nodeOf[i];
-            u >= 0 && !isBeyond[std::size_t(u)] && partOf[std::size_t(u)] == partOf[std::size_t(own)]) {
+/// The nodes of a part, nearest to one of them first, up to the last that lies beyond a handle; none if nothing does.
+std::vector<Index> BendReach::upToTip(Index from, const BendExtent &grip) const {
+    std::vector<char> isBeyond(std::size_t(surface->graph.Size()), 0);
+    for (const std::size_t i : grip.beyond)
+        if (const Index u = surface->nodeOf[i]; u >= 0 && partOf[std::size_t(u)] == partOf[std::size_t(from)])
             isBeyond[std::size_t(u)] = 1;
-            ++left;
-        }
-    if (left == 0)
-        return {};
-    const auto isMore = [&](vcg::fcd::Index u, double) {
-        left -= std::size_t(isBeyond[std::size_t(u)]);
+    auto left = std::count(isBeyond.begin(), isBeyond.end(), 1);
+    return left == 0 ? std::vector<Index>() : walk(from, [&](Index u, double) {
+        left -= isBeyond[std::size_t(u)];
         return left > 0;
-    };
-    const std::vector<vcg::fcd::Index> fromHere =
-        vcg::fcd::NodesWithin(graph, {own}, all, vcg::fcd::Ways::Surface, nullptr, isMore);
-    const vcg::fcd::Index tip = fromHere.back();
-    // A cross-section is at one distance from the tip. They are counted up to the first one that is no limb's.
-    const double bin = radius / surface->frame.scale / (2 * binsOfThickness); // the radius is two thicknesses
+    });
+}
+
+/// Cross-sections of a limb, each at one distance from its tip, from there on.
+struct BendReach::Sections {
+    std::vector<std::size_t> of; ///< number of that of each node, if it was met
+    std::vector<float> area;
+    std::vector<Eigen::Vector4d> sum; ///< of area times place, and of area
+};
+
+/// Those up to a node, and on to the first that is no limb's. \param length of each \param most area of a limb
+BendReach::Sections BendReach::sectionsFrom(Index tip, Index upTo, double length, float most) const {
     const std::size_t none = std::numeric_limits<std::size_t>::max();
-    std::vector<std::size_t> section(isBeyond.size(), none);
-    std::vector<float> area(1, 0);
-    std::vector<Eigen::Vector4d> sum(1, Eigen::Vector4d::Zero());
-    const float most = largestLimb * partArea[std::size_t(partOf[std::size_t(own)])];
+    Sections sections{std::vector<std::size_t>(std::size_t(surface->graph.Size()), none), {}, {}};
     float met = 0;
     std::size_t last = none;
-    vcg::fcd::NodesWithin(graph, {tip}, all, vcg::fcd::Ways::Surface, nullptr, [&](vcg::fcd::Index u, double far) {
-        const std::size_t at = section[std::size_t(u)] = std::size_t(far / bin);
-        area.resize(std::max(area.size(), at + 1), 0);
-        area[at] += surface->nodeArea[std::size_t(u)];
-        sum.resize(area.size(), Eigen::Vector4d::Zero());
-        sum[at] += double(surface->nodeArea[std::size_t(u)]) * graph.position.col(u).cast<double>().homogeneous();
-        met += surface->nodeArea[std::size_t(u)];
-        if (met > most && section[std::size_t(own)] != none)
+    walk(tip, [&](Index u, double far) {
+        const std::size_t at = sections.of[std::size_t(u)] = std::size_t(far / length);
+        const float area = surface->nodeArea[std::size_t(u)];
+        sections.area.resize(std::max(sections.area.size(), at + 1), 0);
+        sections.area[at] += area;
+        sections.sum.resize(sections.area.size(), Eigen::Vector4d::Zero());
+        sections.sum[at] += double(area) * surface->graph.position.col(u).cast<double>().homogeneous();
+        met += area;
+        if (met > most && sections.of[std::size_t(upTo)] != none)
             last = std::min(last, at + 1); // the next one is for the mean
         return at <= last;
     });
-    const std::size_t start = section[std::size_t(own)];
-    std::size_t root = lastSection(area, start, most);
+    return sections;
+}
+
+/// The same for a vertex of the limb, if something of it lies beyond. \param pointed the vertex that is to turn
+std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double radius, const Pointed &pointed) {
+    const Index own = surface->nodeOf[slot];
+    const auto grip = whole({slot}, radius, pointed.hair);
+    const std::vector<Index> fromHere = grip->joint ? upToTip(own, *grip) : std::vector<Index>();
+    if (fromHere.empty())
+        return {};
+    const double thickness = radius / surface->frame.scale / 2;
+    const float most = largestLimb * partArea[std::size_t(partOf[std::size_t(own)])];
+    const Sections sections = sectionsFrom(fromHere.back(), own, thickness / binsOfThickness, most);
+    const std::size_t start = sections.of[std::size_t(own)];
+    std::size_t root = lastSection(sections.area, start, most);
     if (pointed.nearer != wholeLimb)
-        root = jointBetween(start, root, sum).value_or(root);
+        root = jointBetween(start, root, sections.sum).value_or(root);
     // The joint of a handle is about the limb's thickness away from it. If that turns more than the limb, such as a
     // leg with the tail, another one is tried, towards the end.
     const std::size_t away = binsOfThickness * std::size_t(1 + std::max(0, pointed.nearer));
-    const std::size_t first = root - std::min(root, away);
-    const std::size_t low = std::min(start, first);
-    std::vector<vcg::fcd::Index> nearest(first + 1 - low, -1); // of each section
-    left = nearest.size();
-    const auto isMissing = [&](vcg::fcd::Index u, double = 0) {
-        const std::size_t at = section[std::size_t(u)];
+    const std::size_t first = root - std::min(root, away), low = std::min(start, first);
+    std::vector<Index> nearest(first + 1 - low, -1); // of each section
+    std::size_t left = nearest.size();
+    const auto isMissing = [&](Index u, double = 0) {
+        const std::size_t at = sections.of[std::size_t(u)];
         if (low <= at && at <= first && nearest[at - low] < 0) {
             nearest[at - low] = u;
             --left;
@@ -305,7 +302,7 @@ std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double radius
         return left > 0;
     };
     if (std::all_of(fromHere.begin(), fromHere.end(), isMissing))
-        vcg::fcd::NodesWithin(graph, {own}, all, vcg::fcd::Ways::Surface, nullptr, isMissing);
+        walk(own, isMissing);
     for (auto there = nearest.rbegin(); there != nearest.rend(); ++there)
         if (*there >= 0 && // faces may be longer than a section
             radiusAt(slotOf(*there), pointed.usual) <= widest * radius && turnsOneLimb(slotOf(*there), pointed))

@@ -7,14 +7,16 @@
 #include <array>
 #include <chrono>
 #include <cstring>
+#include <limits>
 #include <set>
 
-// Nodes of the coarse surface: the extent of a handle takes about 2 ms, and a limb of 10 % of the diagonal is about
-// seven cells thick.
-const vcg::fcd::Index glanceNodes = 8000;
+using vcg::fcd::Index;
+
+// Nodes of the coarse surface: an extent takes about 2 ms, and a limb of 10 % of the diagonal is seven cells thick.
+const Index glanceNodes = 8000;
 
 // Nodes of the surface that the coarse one is made of: a finger of a figure is about three cells thick.
-const vcg::fcd::Index middleNodes = 60000;
+const Index middleNodes = 60000;
 
 // Radius of the part that keeps its nodes, over the diagonal: a figure's hand is so long.
 const float nearPlace = 0.075f;
@@ -44,7 +46,7 @@ const VertexFaces *BendReach::faces() {
 void BendReach::lookAt(std::size_t slot) {
     wait();
     const vcg::fcd::Graph &graph = surface->graph;
-    const vcg::fcd::Index own = surface->nodeOf[slot];
+    const Index own = surface->nodeOf[slot];
     if (graph.Size() <= glanceNodes || own < 0)
         return;
     const Eigen::Vector3f at = graph.position.col(own);
@@ -65,19 +67,6 @@ void BendReach::lookAt(std::size_t slot) {
 BendReach &BendReach::glance() {
     wait();
     return coarse ? *coarse : *this;
-}
-
-void BendReach::clear() {
-    pending = {};
-    surface.reset();
-    facesOfVertices.reset();
-    middle.reset();
-    coarse.reset();
-    from.clear();
-    reached.clear();
-    closings.clear();
-    balls.clear();
-    extents.clear();
 }
 
 /// The slots of nodes, ascending.
@@ -103,12 +92,18 @@ std::vector<std::size_t> BendReach::slotsOf(const std::vector<char> &isNodeIn) c
 }
 
 /// One of the vertices of a node.
-std::size_t BendReach::slotOf(vcg::fcd::Index node) const { return slotBy[beginOf[std::size_t(node)]]; }
+std::size_t BendReach::slotOf(Index node) const { return slotBy[beginOf[std::size_t(node)]]; }
+
+/// All nodes connected with one, nearest first, as long as goesOn(node, distance).
+std::vector<Index> BendReach::walk(Index from, const std::function<bool(Index, double)> &goesOn) const {
+    const double all = std::numeric_limits<double>::infinity();
+    return vcg::fcd::NodesWithin(surface->graph, {from}, all, vcg::fcd::Ways::Surface, nullptr, goesOn);
+}
 
 /// Flags of nodes.
-std::vector<char> BendReach::isAmong(const std::vector<vcg::fcd::Index> &nodes) const {
+std::vector<char> BendReach::isAmong(const std::vector<Index> &nodes) const {
     std::vector<char> isNodeIn(std::size_t(surface->graph.Size()), 0);
-    for (const vcg::fcd::Index u : nodes)
+    for (const Index u : nodes)
         isNodeIn[std::size_t(u)] = 1;
     return isNodeIn;
 }
@@ -122,8 +117,8 @@ std::vector<char> BendReach::nodesOf(const std::vector<char> &isIn) const {
     return isNodeIn;
 }
 
-std::vector<vcg::fcd::Index> BendReach::nodesWithin(const std::vector<std::size_t> &vertices, double radius,
-                                                    std::vector<double> *distances) {
+std::vector<Index> BendReach::nodesWithin(const std::vector<std::size_t> &vertices, double radius,
+                                          std::vector<double> *distances) {
     Ball sought{{}, radius / surface->frame.scale, {}, {}};
     for (const std::size_t slot : vertices)
         if (surface->nodeOf[slot] >= 0)
@@ -157,15 +152,14 @@ const std::vector<std::size_t> &BendReach::of(const std::vector<std::size_t> &ve
 }
 
 /// Gives another label to a node, and to all nodes connected with it by nodes of the same label. \return these
-static std::vector<vcg::fcd::Index> relabel(const vcg::fcd::Graph &graph, vcg::fcd::Index begin, int to,
-                                            std::vector<int> &label) {
+static std::vector<Index> relabel(const vcg::fcd::Graph &graph, Index begin, int to, std::vector<int> &label) {
     const int before = label[std::size_t(begin)];
     label[std::size_t(begin)] = to;
-    std::vector<vcg::fcd::Index> all, next = {begin};
+    std::vector<Index> all, next = {begin};
     while (!next.empty()) {
         all.push_back(next.back());
         next.pop_back();
-        for (const vcg::fcd::Index v : graph.adjacency[all.back()])
+        for (const Index v : graph.adjacency[all.back()])
             if (label[std::size_t(v)] == before) {
                 label[std::size_t(v)] = to;
                 next.push_back(v);
@@ -179,7 +173,7 @@ const float largestTip = 0.5;
 
 std::vector<std::size_t> BendReach::piece(std::size_t slot, const std::vector<char> &isIn) {
     wait();
-    const vcg::fcd::Index first = surface->nodeOf[slot];
+    const Index first = surface->nodeOf[slot];
     if (first < 0)
         return {slot};
     const std::vector<char> isNodeIn = nodesOf(isIn);
@@ -208,7 +202,7 @@ void BendReach::take(std::unique_ptr<vcg::fcd::SurfaceGraph> read) {
     const int unknown = -1;
     const vcg::fcd::Graph &graph = surface->graph;
     beginOf.assign(std::size_t(graph.Size()) + 1, 0);
-    for (const vcg::fcd::Index u : surface->nodeOf)
+    for (const Index u : surface->nodeOf)
         if (u >= 0)
             ++beginOf[std::size_t(u) + 1];
     std::partial_sum(beginOf.begin(), beginOf.end(), beginOf.begin());
@@ -219,31 +213,26 @@ void BendReach::take(std::unique_ptr<vcg::fcd::SurfaceGraph> read) {
             slotBy[next[std::size_t(surface->nodeOf[i])]++] = std::uint32_t(i);
     partOf.assign(std::size_t(graph.Size()), unknown);
     partArea.clear();
-    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
-        if (partOf[std::size_t(u)] != unknown)
-            continue;
-        float area = 0;
-        for (const vcg::fcd::Index v : relabel(graph, u, int(partArea.size()), partOf))
-            area += surface->nodeArea[std::size_t(v)];
-        partArea.push_back(area);
-    }
+    for (Index u = 0; u < graph.Size(); ++u)
+        if (partOf[std::size_t(u)] == unknown)
+            partArea.push_back(areaOf<float>(relabel(graph, u, int(partArea.size()), partOf)));
     areaOfAll = std::accumulate(partArea.begin(), partArea.end(), 0.f);
     middleOfAll.setZero();
-    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u)
+    for (Index u = 0; u < graph.Size(); ++u)
         middleOfAll += surface->nodeArea[std::size_t(u)] * graph.position.col(u) / areaOfAll;
 }
 
 std::size_t BendReach::carrierOf(std::size_t slot, double hair) {
     wait();
     const vcg::fcd::Graph &graph = surface->graph;
-    const vcg::fcd::Index own = surface->nodeOf[slot];
+    const Index own = surface->nodeOf[slot];
     if (own < 0)
         return slot;
-    const auto part = [&](vcg::fcd::Index u) { return std::size_t(partOf[std::size_t(u)]); };
+    const auto part = [&](Index u) { return std::size_t(partOf[std::size_t(u)]); };
     const double most = hair / surface->frame.scale;
     double least = most;
-    vcg::fcd::Index nearest = -1;
-    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
+    Index nearest = -1;
+    for (Index u = 0; u < graph.Size(); ++u) {
         const double distance = double((graph.position.col(u) - graph.position.col(own)).norm());
         if (distance > 2 * most && part(u) == part(own))
             return slot;
@@ -265,7 +254,7 @@ std::vector<char> BendReach::looseNodes(const std::vector<char> &isNodeIn, doubl
     const vcg::fcd::Graph &graph = surface->graph;
     const auto cell = float(hair / surface->frame.scale);
     using Cell = std::array<int, 3>;
-    const auto cellOf = [&](vcg::fcd::Index u) {
+    const auto cellOf = [&](Index u) {
         const Eigen::Vector3i at = (graph.position.col(u) / cell).array().floor().cast<int>();
         return Cell{at[0], at[1], at[2]};
     };
@@ -275,7 +264,7 @@ std::vector<char> BendReach::looseNodes(const std::vector<char> &isNodeIn, doubl
     Cell last{};
     float areaIn = 0;
     std::vector<char> isConnected(partArea.size(), 0);
-    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
+    for (Index u = 0; u < graph.Size(); ++u) {
         if (!isNodeIn[std::size_t(u)])
             continue;
         isConnected[std::size_t(partOf[std::size_t(u)])] = 1;
@@ -293,7 +282,7 @@ std::vector<char> BendReach::looseNodes(const std::vector<char> &isNodeIn, doubl
         return all;
     box = {box.min() - Eigen::Vector3f::Constant(cell), box.max() + Eigen::Vector3f::Constant(cell)};
     std::vector<char> isWithin(partArea.size(), 1), isNear(partArea.size(), 0);
-    for (vcg::fcd::Index u = 0; u < graph.Size(); ++u) {
+    for (Index u = 0; u < graph.Size(); ++u) {
         const auto part = std::size_t(partOf[std::size_t(u)]);
         if (isConnected[part] || !isWithin[part])
             continue;
@@ -321,13 +310,11 @@ BendReach::Pieces BendReach::piecesBeside(const std::vector<char> &isIn) const {
     for (std::size_t u = 0; u < isIn.size(); ++u) {
         if (!isIn[u])
             continue;
-        for (const vcg::fcd::Index first : graph.adjacency[vcg::fcd::Index(u)]) {
+        for (const Index first : graph.adjacency[Index(u)]) {
             if (pieces.of[std::size_t(first)] != unknown)
                 continue;
             const int which = int(pieces.area.size());
-            pieces.area.push_back(0);
-            for (const vcg::fcd::Index v : relabel(graph, first, which, pieces.of))
-                pieces.area.back() += surface->nodeArea[std::size_t(v)];
+            pieces.area.push_back(areaOf<float>(relabel(graph, first, which, pieces.of)));
         }
     }
     pieces.largest = std::size_t(std::max_element(pieces.area.begin(), pieces.area.end()) - pieces.area.begin());

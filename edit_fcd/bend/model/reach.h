@@ -11,6 +11,7 @@
 #include <list>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -63,22 +64,19 @@ class VertexFaces {
     std::vector<std::uint32_t> begin, faceOf;
 };
 
-/// The extent of a handle along the surface of the rest shape. All lists are of vertex slots, ascending. Lengths in
-/// world units.
+/// The extent of a handle along the rest shape. All lists are of vertex slots, ascending. Lengths in world units.
 struct BendExtent {
     std::vector<std::size_t> vertices; ///< of the handle
     double radius = 0;
-    std::vector<std::size_t> around; ///< within the radius
-    std::vector<float>
-        share; ///< of each of these, how much it moves with the handle: 0 beside what stays, 1 at the core
-    std::vector<std::size_t> tips;   ///< tips of the handle's limb, which the ball of the radius cuts off
-    std::vector<std::size_t> aside;  ///< other tips that it cuts off: for a shoulder, the head
-    bool isOneLimb = true;           ///< the tips are of one limb, and not of two, like an arm and the head
-    bool isWhole = false;            ///< the members below are set
-    std::vector<std::size_t> core;   ///< within half the radius
-    std::vector<std::size_t> beyond; ///< tips, and what the core cuts off, with loose parts among these
-    std::optional<Eigen::Vector3d>
-        bends; ///< the middle of the strip that bends, between core and fixed part, layer units
+    std::vector<std::size_t> around;      ///< within the radius
+    std::vector<float> share;             ///< how much each of these moves along: 0 beside what stays, 1 at the core
+    std::vector<std::size_t> tips;        ///< tips of the handle's limb, which the ball of the radius cuts off
+    std::vector<std::size_t> aside;       ///< other tips that it cuts off: for a shoulder, the head
+    bool isOneLimb = true;                ///< the tips are of one limb, and not of two, like an arm and the head
+    bool isWhole = false;                 ///< the members below are set
+    std::vector<std::size_t> core;        ///< within half the radius
+    std::vector<std::size_t> beyond;      ///< tips, and what the core cuts off, with loose parts among these
+    std::optional<Eigen::Vector3d> bends; ///< the middle of the strip between core and fixed part, layer units
     Eigen::Vector3d axis = Eigen::Vector3d::Zero(); ///< across the strip, towards the core, frame units; 0: not known
     std::optional<Eigen::Vector3d> joint;           ///< as bends, only on a limb
 
@@ -95,12 +93,11 @@ class BendReach {
 
     /// Begins to read the surface at rest in the background. All questions below wait for it.
     void begin();
-    void clear();
+    void clear() { *this = BendReach(std::move(source)); }
     bool isRead() const; ///< no question would wait
     /// Gives glance() all detail near a vertex, where it would miss a finger. Takes some milliseconds.
     void lookAt(std::size_t slot);
-    /// The same on a surface that is coarser away from there: a few milliseconds for each question, for what is shown
-    /// while the mouse moves.
+    /// The same on a surface that is coarser away from there, in a few milliseconds: to show while the mouse moves.
     BendReach &glance();
 
     /// The faces of each vertex, null while the surface is being read.
@@ -133,22 +130,19 @@ class BendReach {
     std::pair<std::shared_ptr<const BendExtent>, bool> beyond(std::size_t from, std::size_t to, double usual,
                                                               double hair);
 
-    /// The vertices connected with a vertex along the surface, among a set. \param isIn flags of vertex slots, true for
-    /// the vertex
+    /// The vertices connected with a vertex in a set. \param isIn flags of vertex slots, true for the vertex
     std::vector<std::size_t> piece(std::size_t slot, const std::vector<char> &isIn);
 
     /// The tips that a set of vertices cuts off: pieces of the rest that have less than half the area of the largest.
     /// \param isIn flags of vertex slots: the set
     std::vector<std::size_t> tips(const std::vector<char> &isIn);
 
-    /// The loose parts among a set of vertices: not connected with it, close to it, and of less than half its area,
-    /// like the nails of a hand. \param isIn flags of vertex slots: the set \param hair how far parts may lie beyond
-    /// the set's box, world units
+    /// The loose parts among a set of vertices: not connected with it, close to it, of less than half its area, like
+    /// nails. \param isIn flags of vertex slots: the set \param hair how far parts may lie beyond its box, world units
     std::vector<std::size_t> looseAmong(const std::vector<char> &isIn, double hair);
 
-    /// The vertex to pull if the user points at a vertex of a tiny part. It is the nearest vertex of a part with more
-    /// than twice the area, within \p hair (world units), if the tiny part reaches at most two \p hair; else the vertex
-    /// itself.
+    /// The vertex to pull for a vertex of a tiny part: the nearest one of a part with more than twice the area, within
+    /// \p hair (world units), if the tiny part reaches at most two \p hair; else the vertex itself.
     std::size_t carrierOf(std::size_t slot, double hair);
 
   private:
@@ -160,8 +154,7 @@ class BendReach {
     /// The radius of a handle on a limb, over the closing radius. That ball reaches half around the limb, pi / 2 times
     /// the thickness. A radius of twice the thickness leaves a strip as wide as the limb is thick to bend.
     static constexpr double radiusOfClosing = 4 / EIGEN_PI;
-    /// The largest radius for one limb, over that at another place: a hand is wider than its wrist, but hardly twice as
-    /// wide.
+    /// The largest radius for one limb, over that elsewhere on it: a hand is hardly twice as wide as its wrist.
     static constexpr double widest = 2;
     struct Pointed {
         std::size_t slot;
@@ -173,6 +166,9 @@ class BendReach {
     bool isRoundEnd(std::size_t slot, const Pointed &at);
     std::optional<std::size_t> endOfShortLimb(const Pointed &at);
     std::optional<std::size_t> rootBefore(std::size_t slot, double radius, const Pointed &pointed);
+    struct Sections;
+    std::vector<vcg::fcd::Index> upToTip(vcg::fcd::Index from, const BendExtent &grip) const;
+    Sections sectionsFrom(vcg::fcd::Index tip, vcg::fcd::Index upTo, double length, float most) const;
     void take(std::unique_ptr<vcg::fcd::SurfaceGraph> read);
     struct Pieces {
         std::vector<int> of;     ///< of each node: number of its piece, < 0: none
@@ -185,6 +181,15 @@ class BendReach {
                                                   const std::vector<double> &distances) const;
     void findShares(BendExtent &made) const;
     std::size_t slotOf(vcg::fcd::Index node) const;
+    std::vector<vcg::fcd::Index> walk(vcg::fcd::Index from,
+                                      const std::function<bool(vcg::fcd::Index, double)> &goesOn) const;
+    /// The area of nodes, frame units^2.
+    template <class Sum>
+    Sum areaOf(const std::vector<vcg::fcd::Index> &nodes) const {
+        return std::accumulate(nodes.begin(), nodes.end(), Sum(0), [&](Sum sum, vcg::fcd::Index u) {
+            return sum + Sum(surface->nodeArea[std::size_t(u)]);
+        });
+    }
     vcg::fcd::Index along(vcg::fcd::Index from, double ahead, const std::vector<double> &left) const;
     std::shared_ptr<BendExtent> kept(const std::vector<std::size_t> &vertices, double radius);
     std::vector<char> nodesOf(const std::vector<char> &isIn) const;

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <limits>
 
+using vcg::fcd::Index;
+
 // Where a limb bends along a stroke.
 
 // First guess of a joint's distance from its handle, over the radius: the middle between the radius and the core. On a
@@ -19,17 +21,16 @@ const int roundsToJoint = 3; // then the joint is off by a tenth of the thicknes
 
 /// The node at distance \p ahead from another one, on the way to an end, or beyond that. \param left distance of each
 /// node from the end \return -1: the surface ends before
-vcg::fcd::Index BendReach::along(vcg::fcd::Index from, double ahead, const std::vector<double> &left) const {
+Index BendReach::along(Index from, double ahead, const std::vector<double> &left) const {
     const vcg::fcd::Graph &graph = surface->graph;
-    const std::vector<vcg::fcd::Index> ball = vcg::fcd::NodesWithin(graph, {from}, ahead, vcg::fcd::Ways::Surface);
+    const std::vector<Index> ball = vcg::fcd::NodesWithin(graph, {from}, ahead, vcg::fcd::Ways::Surface);
     std::vector<char> isIn(left.size(), 0);
-    for (const vcg::fcd::Index u : ball)
+    for (const Index u : ball)
         isIn[std::size_t(u)] = 1;
-    vcg::fcd::Index found = -1;
-    for (const vcg::fcd::Index u : ball) {
+    Index found = -1;
+    for (const Index u : ball) {
         const auto near = graph.adjacency[u];
-        const bool isEdge =
-            std::any_of(near.begin(), near.end(), [&](vcg::fcd::Index v) { return !isIn[std::size_t(v)]; });
+        const bool isEdge = std::any_of(near.begin(), near.end(), [&](Index v) { return !isIn[std::size_t(v)]; });
         if (isEdge && (found < 0 || left[std::size_t(u)] < left[std::size_t(found)]))
             found = u;
     }
@@ -42,12 +43,12 @@ std::pair<std::shared_ptr<const BendExtent>, bool> BendReach::beyond(std::size_t
     wait();
     from = carrierOf(from, hair);
     to = carrierOf(to, hair);
-    const vcg::fcd::Index first = surface->nodeOf[from], last = surface->nodeOf[to];
+    const Index first = surface->nodeOf[from], last = surface->nodeOf[to];
     const double scale = surface->frame.scale, none = std::numeric_limits<double>::infinity();
     std::vector<double> left(std::size_t(surface->graph.Size()), none), distances;
     if (first < 0 || last < 0)
         return {};
-    const std::vector<vcg::fcd::Index> fromEnd =
+    const std::vector<Index> fromEnd =
         vcg::fcd::NodesWithin(surface->graph, {last}, none, vcg::fcd::Ways::Surface, &distances);
     for (std::size_t k = 0; k < fromEnd.size(); ++k)
         left[std::size_t(fromEnd[k])] = distances[k];
@@ -55,13 +56,13 @@ std::pair<std::shared_ptr<const BendExtent>, bool> BendReach::beyond(std::size_t
     if (length == 0 || length == none)
         return {};
     const bool isLimb = closingRadius(from, usual) > 0; // then the radius is twice its thickness
-    const auto placeOf = [&](vcg::fcd::Index u) { return surface->graph.position.col(u).cast<double>(); };
+    const auto placeOf = [&](Index u) { return surface->graph.position.col(u).cast<double>(); };
     std::shared_ptr<const BendExtent> found;
     double radius = isLimb ? least : none;
     while (!found && radius <= widest * least) {
         double ahead = toJoint * radius / scale;
         for (int k = 0; k < roundsToJoint; ++k) {
-            const vcg::fcd::Index node = along(first, ahead, left);
+            const Index node = along(first, ahead, left);
             const auto made = node < 0 ? nullptr : whole({slotOf(node)}, radius, hair);
             if (!made || !made->bends || made->shareOf(to) == 0)
                 break; // the ball does not reach around the limb
