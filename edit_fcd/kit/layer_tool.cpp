@@ -36,6 +36,17 @@ void LayerTool::tell(const std::string &what, const std::string &more) {
     showHint();
 }
 
+void LayerTool::showHint() {
+    if (ToolPanel *panel = toolPanel())
+        panel->showState(hint);
+}
+
+void LayerTool::refreshAll() {
+    refresh();
+    if (view)
+        view->update();
+}
+
 void LayerTool::requestStep() {
     isStepWanted = true;
     if (isPainted)
@@ -89,12 +100,12 @@ void LayerTool::enterView() {
     });
 }
 
-void LayerTool::leaveView(QDockWidget *panel) {
+void LayerTool::leaveView() {
     display.reset();
     overlay.reset();
     model = nullptr;
     layerId = -1;
-    if (panel)
+    if (ToolPanel *panel = toolPanel())
         panel->deleteLater();
     if (!view)
         return;
@@ -111,11 +122,25 @@ void LayerTool::enterLayer(MeshModel &newModel) {
     overlay = std::make_unique<LayerOverlay>();
 }
 
+MeshModel *LayerTool::presentLayer() const {
+    MeshModel *found = view && view->md() ? view->md()->getMesh(layerId) : nullptr;
+    return found == model ? found : nullptr;
+}
+
+QString LayerTool::fileToLoad(const QString &title, const QString &kinds) {
+    const QString file = QFileDialog::getOpenFileName(view->window(), title, QString(), kinds);
+    return !file.isEmpty() && isReady() ? file : QString();
+}
+
+QString LayerTool::fileToSave(const QString &title, const QString &kinds) {
+    const QString file = ::fileToSave(*view, title, kinds, *model);
+    return !file.isEmpty() && isReady() ? file : QString();
+}
+
 void LayerTool::chooseSession(bool load) {
     const QString kinds = "Sessions (*.fcd)";
-    const QString file = load ? QFileDialog::getOpenFileName(view->window(), "Load session", QString(), kinds)
-                              : fileToSave(*view, "Save session", kinds, *model);
-    if (file.isEmpty() || !isReady())
+    const QString file = load ? fileToLoad("Load session", kinds) : fileToSave("Save session", kinds);
+    if (file.isEmpty())
         return;
     if (load) {
         const SessionContents contents = takeSession(file);

@@ -2,7 +2,8 @@
 #ifndef FCD_LAYER_TOOL_H
 #define FCD_LAYER_TOOL_H
 
-#include <layer_fcd/edit_host.h> // before Qt
+#include <layer_fcd/edit_host.h> // these before Qt
+#include <layer_fcd/parameters.h>
 
 #include "edit_fcd/view/display_state.h"
 #include "edit_fcd/kit/tool_window.h"
@@ -32,8 +33,8 @@ class LayerTool : public HostEditTool {
     bool eventFilter(QObject *object, QEvent *event) final;
 
   protected:
-    // An exception in the host's event loop would end the program. So tools connect their slots by when(), and do later
-    // work by later() or every(), which catch it.
+    // An exception in the host's event loop would end the program: connect slots by when(), do later work by later(),
+    // every().
 
     /// Connects \p signal of \p sender with \p slot.
     template <class Sender, class Signal, class Slot>
@@ -47,14 +48,19 @@ class LayerTool : public HostEditTool {
 
     /// Tells what was done: in the panel, and, with more, in the log.
     void tell(const std::string &what, const std::string &more = {});
+    void showHint();
+    void refreshAll(); ///< updates panel and view
+    Remark toLog() {
+        return [this](const std::string &line) { say(line); };
+    }
 
     /// Gets the view's events while the tool has a layer. \return whether the view must not get the event
     virtual bool takesEvent(QEvent &event) = 0;
     /// Ends what was begun, and calls leaveView().
     virtual void close() = 0;
     virtual void showVertices(bool full) = 0;
-    virtual void refresh() = 0; ///< updates the panel
-    virtual void showHint() = 0;
+    virtual void refresh() = 0;               ///< updates the panel
+    virtual ToolPanel *toolPanel() const = 0; ///< may be null
     /// Whether there is a layer to work on. If something else changed it, begins anew.
     virtual bool isReady() = 0;
     virtual void keepShown() = 0; ///< makes the shown shape the one that filters and files find
@@ -70,12 +76,16 @@ class LayerTool : public HostEditTool {
 
     /// From now on the tool gets the view's events, and ends with the view. \pre it has entered a layer
     void enterView();
-    /// \param panel is deleted; may be null
-    void leaveView(QDockWidget *panel);
+    /// Deletes the panel, too.
+    void leaveView();
     void enterLayer(MeshModel &newModel);
+    MeshModel *presentLayer() const; ///< the entered one; null if it is gone
     /// Calls \p apply, which adds layers, and ends the tool. \param goesOn begin anew with the new layer
     void applyToNewLayer(const std::function<void()> &apply, bool goesOn);
 
+    // Both ask for a file. \return empty if there is none, or no layer to work on any more
+    QString fileToLoad(const QString &title, const QString &kinds);
+    QString fileToSave(const QString &title, const QString &kinds);
     /// Asks for a file, and saves the state of the layer to it, or loads it.
     void chooseSession(bool load);
 

@@ -5,6 +5,8 @@
 #include "edit_fcd/bend/model/handles.h"
 #include "edit_fcd/view/pointing.h"
 
+#include <layer_fcd/layer_labels.h>
+
 #include <QCursor>
 
 // What the tool shows in view and panel.
@@ -33,17 +35,17 @@ void BendTool::draw() {
     if (wasHidden)
         return;
     if (layer()) {
-        if (!preparing && moving && !moving->draw(seen)) {
+        if (moving && !moving->draw(seen)) { // there is none while it is prepared
             moving.reset();
             showVertices(false);
         }
-        if (preparing || !moving)
+        if (!moving)
             overlay->draw(model->cm);
         if (onionSkin)
             onionSkin->draw(model->cm);
         if (!preparing)
             drawOverlay();
-    } else if (!preparing && !session && !isEnding && view)
+    } else if (!session && !isEnding && view)
         later([this] {
             if (session || isEnding || !view || !view->md() || !view->md()->mm())
                 return;
@@ -53,10 +55,10 @@ void BendTool::draw() {
         });
 }
 
-bool BendTool::isHidden() const { return layer() && !host::isVisible(*model); }
+bool BendTool::isHidden() const { return layer() && !model->isVisible(); }
 
 std::string BendTool::hiddenText() const {
-    return "The layer '" + model->label().toStdString() + "' is hidden: its eye in the list of layers shows it.";
+    return "The layer " + inQuotes(*model) + " is hidden: its eye in the list of layers shows it.";
 }
 
 void BendTool::expectSeen() const {
@@ -92,10 +94,7 @@ void BendTool::drawOverlay() const {
 /// What a mark makes of the surface.
 QString BendTool::roleText() const {
     const int tag = tagToMark();
-    return tag >= 2   ? QString::fromStdString(nameOf(session->state(), tag))
-           : tag == 1 ? "free"
-           : tag == 0 ? "fixed"
-                      : "ignored";
+    return tag >= 2 ? nameOf(tag) : tag == 1 ? "free" : tag == 0 ? "fixed" : "ignored";
 }
 
 /// How to mark in this mode.
@@ -111,9 +110,7 @@ QString BendTool::markingText() const {
 }
 
 /// What G, R and S would move. \pre there is a handle
-QString BendTool::textOfKeys() const {
-    return keysBegin ? "this point" : QString::fromStdString(nameOf(session->state(), keysTag ? keysTag : selected()));
-}
+QString BendTool::textOfKeys() const { return keysBegin ? "this point" : nameOf(keysTag ? keysTag : selected()); }
 
 QString BendTool::stateText() const {
     if (isSuspended)
@@ -139,7 +136,7 @@ QString BendTool::stateText() const {
         text = session->state().marks ? "Mark a handle (red), then drag it."
                                       : "Drag a point of the surface, or mark what stays (F) and what moves (H).";
     else if (lit && !(isLimbForeseen && lit->axis < 0))
-        text = QString::fromStdString(nameOf(session->state(), selected())) +
+        text = nameOf(selected()) +
                (lit->axis < 0
                     ? QString(": drag moves it in the view")
                     : QString(lit->kind == BendDrag::Turn ? ": drag turns it about %1" : ": drag moves it along %1")
@@ -148,7 +145,7 @@ QString BendTool::stateText() const {
     else if (isLimbForeseen)
         text = "Drag this: its limb turns so that it follows. G pulls it alone.";
     else if (hovered)
-        text = QString::fromStdString(nameOf(session->state(), hovered) + ": drag it, or press G, R or S.");
+        text = nameOf(hovered) + ": drag it, or press G, R or S.";
     else if (keysBegin)
         text = "Drag this point, or press G, R, S, or J: that turns the limb.";
     else

@@ -9,8 +9,7 @@
 
 #include <map>
 
-/// The tool FCD: Bend. It begins what mouse (router.cpp), keys (key_events.cpp) and panel (commands.cpp,
-/// line_commands.cpp, pose_commands.cpp) ask for.
+/// The tool FCD: Bend: does what mouse (router.cpp), keys (key_events.cpp) and panel (the files of commands) ask for.
 class BendTool : public BendStage {
     Q_OBJECT
 

@@ -4,6 +4,7 @@
 #include "edit_fcd/bend/model/handles.h"
 
 #include <layer_fcd/layer_contents.h>
+#include <layer_fcd/layer_labels.h>
 #include <layer_fcd/tagging.h>
 
 #include <QGuiApplication>
@@ -30,8 +31,7 @@ void BendTool::makePanel() {
     when(&panel->line(), &BendLineBox::command, [this](int which) { onLineCommand(which); });
     when(&panel->line(), &BendLineBox::changed, [this] {
         hint.clear();
-        refresh();
-        view->update();
+        refreshAll();
     });
     when(panel.data(), &BendPanel::command, [this](int which) {
         hint.clear();
@@ -68,8 +68,7 @@ void BendTool::onOptions() {
     showStretch();
     if (!session->edit().options.givesSameShape(before))
         solve(true);
-    refresh();
-    view->update();
+    refreshAll();
 }
 
 void BendTool::setMode(BendPanel::Mode mode) {
@@ -86,19 +85,18 @@ void BendTool::apply(bool inPlace) {
     session->change();
     panel->setStretch(false);
     showStretch();
-    const Remark remark = [this](const std::string &line) { say(line); };
     if (!inPlace) {
         applyToNewLayer(
             [&] {
-                say(session->applyToNewLayer(panel->graphLayers(), remark));
-                tell("The layer '" + document->mm()->label().toStdString() +
-                     "' has the pose; the tool goes on with it. The other one is at rest, and hidden.");
+                say(session->applyToNewLayer(panel->graphLayers(), toLog()));
+                tell("The layer " + inQuotes(*document->mm()) +
+                     " has the pose; the tool goes on with it. The other one is at rest, and hidden.");
             },
             true);
         return;
     }
     try {
-        say(session->applyInPlace(remark));
+        say(session->applyInPlace(toLog()));
         tell(std::string("Applied: the next drag ") +
              (session->state().poses ? "and the named poses begin" : "begins") +
              " from this shape. Undo takes that back.");
@@ -164,10 +162,7 @@ void BendTool::onCommand(int which) {
     case BendAction::SaveSession:
     case BendAction::LoadSession: chooseSession(which == BendAction::LoadSession); break;
     }
-    if (!view) // an apply to a new layer ended the tool
-        return;
-    refresh();
-    view->update();
+    refreshAll();
 }
 
 // --- the list of handles ---
@@ -205,7 +200,7 @@ void BendTool::editHandle(const BendHandleRow &to) {
     hint.clear();
     session->change();
     BendHandle handle = handleOf(session->state(), to.tag);
-    if (to.name.toStdString() != nameOf(session->state(), to.tag))
+    if (to.name != nameOf(to.tag))
         handle.name = to.name.toStdString();
     handle.isHidden = !to.isShown;
     handle.isLocked = to.isLocked;
@@ -223,7 +218,7 @@ void BendTool::showHandles() {
         const vcg::Color4b color = colorOfTag(tag);
         BendHandleRow row;
         row.tag = tag;
-        row.name = QString::fromStdString(nameOf(session->state(), tag));
+        row.name = nameOf(tag);
         row.motion = QString::fromStdString(motionTextOf(session->state(), tag));
         row.shortMotion = QString::fromStdString(shortMotionOf(session->state(), tag));
         row.color = QColor(color[0], color[1], color[2]);

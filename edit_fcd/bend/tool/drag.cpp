@@ -249,8 +249,8 @@ LimbTurn::LimbTurn(const Eigen::Vector3d &root, const std::optional<Eigen::Vecto
 
 /// The distance from root to held, if the chain is bent by an angle.
 double LimbTurn::lengthAt(double angle) const {
-    return std::sqrt(
-        std::max(0.0, first * first + second * second + 2 * first * second * std::cos(angle))); // law of cosines
+    // The law of cosines.
+    return std::sqrt(std::max(0.0, first * first + second * second + 2 * first * second * std::cos(angle)));
 }
 
 /// The angle at the root between the first bone and the held point.

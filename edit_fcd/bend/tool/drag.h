@@ -27,8 +27,8 @@ class LimbTurn {
     /// Then the whole limb turns about the root by this.
     Eigen::AngleAxisd turn() const;
 
-    bool isOf(const Eigen::Vector3d &itsRoot, const std::optional<Eigen::Vector3d> &itsMiddle) const {
-        return root == itsRoot && middle == itsMiddle;
+    bool isOf(const Eigen::Vector3d &joint, const std::optional<Eigen::Vector3d> &between) const {
+        return root == joint && middle == between;
     }
 
   private:
@@ -75,7 +75,7 @@ struct BendDrag {
     struct Before {
         Eigen::Vector3d pivot; ///< world
         std::map<int, Steps>
-            carried; ///< by tag: motions before, of its handle, and of handles that move along with that one only
+            carried; ///< by tag: motions before, of its handle, and of those that move along with it only
     };
     std::optional<Before> before; ///< none: it only turns at the handle's joint
 

@@ -114,15 +114,13 @@ void DragInteraction::showInfluence() {
     const int tag = first ? first : now->tag; // all that moves is of its extent
     MarkColors::Extents turning;
     for (const int each : {tag, mirrored(model, tag)})
-        if (const auto found = model.influence.extents.find(each);
-            found != model.influence.extents.end() && isGrip(model.state, each))
-            turning.push_back(found->second);
+        if (isGrip(model.state, each))
+            turning.push_back(valueOr(model.influence.extents, each)); // null ones are ignored
     stage.colors->preview(std::move(turning));
     stage.showOverlay();
 }
 
-/// Sets the point of the drag: it turns and scales about the pivot, and moves by the dot, or by the pivot if the user
-/// has set one.
+/// Sets the point of the drag: it turns and scales about the pivot, and moves by the dot, or by a pivot of the user's.
 void DragInteraction::placePivot() {
     const BendModel &model = stage.session->model();
     const bool isGiven = handleOf(model.state, now->tag).pivot.has_value(), isPoint = isGrip(model.state, now->tag);
@@ -330,7 +328,7 @@ QString DragInteraction::text() const {
     if (!now)
         return {};
     const BendSession &session = *stage.session;
-    const QString what = QString::fromStdString(nameOf(session.state(), now->tag) + ": " + now->text(stage.seen));
+    const QString what = stage.nameOf(now->tag) + ": " + QString::fromStdString(now->text(stage.seen));
     return isRadiusShown ? QString("%1; radius %2 %")
                                .arg(what)
                                .arg(100 * radiusOf(session.model(), now->tag) / session.diagonal(), 0, 'f', 1)

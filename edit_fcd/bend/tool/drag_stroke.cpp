@@ -38,8 +38,7 @@ void DragInteraction::showStroke(BendStroke &drawn) {
     const auto own = turned.tag ? session.glimpseOf(turned.tag) : turned.extent;
     if (stage.colors->preview({own, own ? session.glimpseTwin(turned.tag, *own) : nullptr}))
         stage.showOverlay();
-    stage.refresh();
-    stage.view->update();
+    stage.refreshAll();
 }
 
 void DragInteraction::endStroke() {

@@ -7,8 +7,7 @@
 
 const float dotPixels = 9; ///< size of a point handle's dot
 
-/// A part of a handle's gizmo: the ball in the middle, an arrow that moves along an axis, or a ring that turns about
-/// it.
+/// A part of a handle's gizmo: the ball in the middle, an arrow along an axis, or a ring that turns about it.
 struct GizmoPart {
     BendDrag::Kind kind = BendDrag::Move;
     int axis = -1; ///< -1: the ball
@@ -25,8 +24,7 @@ struct Gizmo {
 /// The part of the gizmo at \p window.
 std::optional<GizmoPart> gizmoAt(const Camera &view, const Gizmo &gizmo, const Eigen::Vector2d &window);
 
-/// Draws point handles with their reach, and highlights a handle, over all else. \param drag may be null \param lit
-/// highlighted handle, 0: none
+/// Draws point handles with their reach over all else. \param drag may be null \param lit highlighted handle, 0: none
 void drawPoints(const BendSession &session, const BendDrag *drag, int lit);
 /// Draws a pivot.
 void drawPivot(const Eigen::Vector3d &place);

@@ -2,7 +2,6 @@
 #include "edit_fcd/bend/model/guide_line.h"
 #include "edit_fcd/bend/model/session.h"
 #include "edit_fcd/bend/tool/interactions.h"
-#include "edit_fcd/view/pointing.h"
 #include "edit_fcd/view/trace.h"
 
 #include <cmath>
@@ -101,8 +100,7 @@ bool MarkInteraction::press(QMouseEvent &event) {
         end();
     else
         return false;
-    stage.refresh();
-    stage.view->update();
+    stage.refreshAll();
     return true;
 }
 
@@ -169,8 +167,7 @@ void LineInteraction::move(QMouseEvent &event) {
     if (!point || which >= line.size())
         return;
     line[which] = *point;
-    stage.refresh();
-    stage.view->update();
+    stage.refreshAll();
 }
 
 void AnimationInteraction::prepare(const std::function<void()> &begun) {

@@ -84,11 +84,10 @@ void BendTool::placePivot() {
     const std::optional<Eigen::Vector3d> place = isOther ? centerOf(session->model(), other) : pick();
     session->change();
     setPivot(session->edit(), tag, place);
-    hint = QString::fromStdString(nameOf(session->state(), tag)) +
-           (!place    ? QString(jointOf(session->model(), tag) ? ": turns about its joint again."
-                                                               : ": turns about its middle again.")
-            : isOther ? ": turns about the middle of " + QString::fromStdString(nameOf(session->state(), other)) + "."
-                      : QString(": turns about this place; P beside the mesh takes that back."));
+    hint = nameOf(tag) + (!place    ? QString(jointOf(session->model(), tag) ? ": turns about its joint again."
+                                                                             : ": turns about its middle again.")
+                          : isOther ? ": turns about the middle of " + nameOf(other) + "."
+                                    : QString(": turns about this place; P beside the mesh takes that back."));
 }
 
 /// Changes what marks become; in a mode that does not mark, tells so.
@@ -151,8 +150,5 @@ void BendTool::pressKey(QKeyEvent *event) {
         event->ignore();
     else if (isReady())
         act(BendAction::Id(key->action));
-    if (!view) // an apply to a new layer ended the tool
-        return;
-    refresh();
-    view->update();
+    refreshAll();
 }

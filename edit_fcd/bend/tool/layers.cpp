@@ -2,6 +2,7 @@
 #include "edit_fcd/bend/tool/bend_tool.h"
 
 #include <layer_fcd/kept_tool.h>
+#include <layer_fcd/layer_labels.h>
 #include <layer_fcd/session_file.h>
 
 // Begins and ends work on a layer.
@@ -59,8 +60,8 @@ bool BendTool::open(MeshModel &newModel) {
         if (found->second->isAsLeft())
             session = std::move(found->second);
         else if (!toolOf(newModel))
-            say("The layer '" + newModel.label().toStdString() +
-                "' has changed since you left it: bends begin from the shape that it has now.");
+            say("The layer " + inQuotes(newModel) +
+                " has changed since you left it: bends begin from the shape that it has now.");
         left.erase(found);
     }
     if (!session) {
@@ -71,8 +72,8 @@ bool BendTool::open(MeshModel &newModel) {
         guarded([&] { goesOn = session->goOn(); });
     }
     if (!session->takePoses())
-        say("The layer '" + newModel.label().toStdString() +
-            "' keeps poses of another shape or place: they begin from the shape that it has now.");
+        say("The layer " + inQuotes(newModel) +
+            " keeps poses of another shape or place: they begin from the shape that it has now.");
     if (newModel.cm.vn > preparedAtOnce)
         session->readAhead();
     enterLayer(newModel);
@@ -87,8 +88,8 @@ bool BendTool::open(MeshModel &newModel) {
 
 void BendTool::keepShown() {
     if (const std::string calls = session->leave({}); !calls.empty())
-        say("The layer '" + model->label().toStdString() +
-            "' keeps the pose: undo in the tool, or 'FCD: Reset Pose', takes it back. " + calls);
+        say("The layer " + inQuotes(*model) +
+            " keeps the pose: undo in the tool, or 'FCD: Reset Pose', takes it back. " + calls);
 }
 
 SessionContents BendTool::takeSession(const QString &file) {
@@ -142,7 +143,7 @@ void BendTool::close() {
         panel->keepSizes();
         usualMode = panel->mode() == BendPanel::Line ? BendPanel::Drag : panel->mode(); // a line is of one layer
     }
-    leaveView(panel);
+    leaveView();
     panel = nullptr;
 }
 

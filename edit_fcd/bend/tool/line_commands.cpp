@@ -7,8 +7,6 @@
 
 #include <layer_fcd/point_sources.h>
 
-#include <QFileDialog>
-
 // The panel's commands for the line that a layer is straightened along.
 
 void BendTool::removeLinePoint() {
@@ -28,9 +26,8 @@ void BendTool::onLineCommand(int which) {
     hint.clear();
     switch (which) {
     case BendLineBox::Load: {
-        const QString file = QFileDialog::getOpenFileName(view->window(), "Load line", QString(),
-                                                          "Picked points and lists (*.pp *.csv *.txt)");
-        if (file.isEmpty() || !isReady())
+        const QString file = fileToLoad("Load line", "Picked points and lists (*.pp *.csv *.txt)");
+        if (file.isEmpty())
             return;
         session->change();
         session->edit().state.line = loadLine(file);
@@ -38,8 +35,8 @@ void BendTool::onLineCommand(int which) {
     }
     case BendLineBox::Save: {
         expectedLine(*session);
-        const QString file = fileToSave(*view, "Save line", "Lists of points (*.csv)", *model);
-        if (file.isEmpty() || !isReady())
+        const QString file = fileToSave("Save line", "Lists of points (*.csv)");
+        if (file.isEmpty())
             return;
         saveLine(*session, file);
         tell("Saved the line as " + file.toStdString() + ".");
@@ -51,8 +48,7 @@ void BendTool::onLineCommand(int which) {
         break;
     case BendLineBox::Straighten: straighten(); return;
     }
-    refresh();
-    view->update();
+    refreshAll();
 }
 
 /// Looks for the line that will be used, and shows it, in the mode Line.
@@ -88,9 +84,8 @@ void BendTool::straighten() {
     param.graphLayers = panel->graphLayers();
     param.targetLayer = document->getMesh(panel->line().targetLayer());
     param.lineLayer = document->getMesh(panel->line().lineLayer());
-    if (!param.lineLayer) {
+    if (!param.lineLayer)
         param.line = expectedLine(*session);
-    }
     const vcg::fcd::LineGoal goal = lineGoalOf(*model, param);
     const KnownLine known = linePreview ? linePreview->stop(goal) : KnownLine();
     keepShown();
@@ -105,9 +100,8 @@ void BendTool::straighten() {
         [=] {
             applyToNewLayer(
                 [&] {
-                    const Remark remark = [this](const std::string &text) { say(text); };
                     const StraightenedLayers made =
-                        addStraightened(*document, *model, param, std::move(*shape), remark, vcg::fcd::Progress());
+                        addStraightened(*document, *model, param, std::move(*shape), toLog(), {});
                     say(describe(made));
                     for (const std::string &warning : warningsOf(made))
                         say(warning, true);

@@ -29,8 +29,8 @@ class MarkColors {
     std::optional<Tint> tint(BendSession &session);
 
     using Extents = std::vector<std::shared_ptr<const BendExtent>>;
-    /// Sets the preview: the extents of handles that would move, by how much. \param extents null ones are ignored;
-    /// empty: no preview \return whether it has changed
+    /// Sets the preview: extents of handles that would move, or none. \param extents may be null \return whether it
+    /// changed
     bool preview(Extents extents);
 
   private:

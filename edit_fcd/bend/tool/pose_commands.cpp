@@ -12,7 +12,6 @@
 
 #include <algorithm>
 
-#include <QFileDialog>
 #include <QMessageBox>
 
 // The panel's commands for named poses.
@@ -96,11 +95,7 @@ void BendTool::changePoses(const std::function<void()> &change) {
         if (isForPanel())
             change();
     });
-    later([this] { // after the list's own events
-        refresh();
-        if (view)
-            view->update();
-    });
+    later([this] { refreshAll(); }); // after the list's own events
 }
 
 /// Changes one pose. It may be gone: while a cell is edited, its list is not updated.
@@ -172,8 +167,8 @@ void BendTool::onPoseCommand(int which) {
         break;
     }
     case BendPoseBox::Load: {
-        const QString file = QFileDialog::getOpenFileName(view->window(), "Load poses", QString(), kinds);
-        if (file.isEmpty() || !isReady())
+        const QString file = fileToLoad("Load poses", kinds);
+        if (file.isEmpty())
             return;
         session->change();
         session->loadPoses(file);
@@ -182,8 +177,8 @@ void BendTool::onPoseCommand(int which) {
     }
     case BendPoseBox::Save: {
         const vcg::fcd::PoseSequence poses = expectPoses(session->state());
-        const QString file = fileToSave(*view, "Save poses", kinds, *model);
-        if (file.isEmpty() || !isReady())
+        const QString file = fileToSave("Save poses", kinds);
+        if (file.isEmpty())
             return;
         saveFiles({{file, PoseSequenceText(poses)}});
         tell("Saved the poses as " + file.toStdString() + ".");
@@ -212,9 +207,8 @@ void BendTool::exportAnimation() {
     AnimationExport how = dialog.asked();
     const auto animation = std::make_shared<BendSession::Animation>(session->animation(how));
     if (how.isFile()) {
-        how.file =
-            fileToSave(*view, "Export animation", "glTF (*.glb);;Point cache (*.pc2);;Point cache (*.mdd)", *model);
-        if (how.file.isEmpty() || !isReady())
+        how.file = fileToSave("Export animation", "glTF (*.glb);;Point cache (*.pc2);;Point cache (*.mdd)");
+        if (how.file.isEmpty())
             return;
     }
     if (how.isGltf())
@@ -239,7 +233,7 @@ void BendTool::exportAnimation() {
             if (!how.isFile()) {
                 applyToNewLayer(
                     [&] {
-                        session->addLayers(*made, [this](const std::string &line) { say(line); });
+                        session->addLayers(*made, toLog());
                         tellOf("Made " + counted(made->frames.size(), "layer", "layers") +
                                ". They are hidden: the eyes in the list of layers show them.");
                     },
@@ -248,8 +242,7 @@ void BendTool::exportAnimation() {
             }
             made->files.save();
             tellOf("Wrote " + std::to_string(made->report.frames) + " frames to " + how.file.toStdString() + ".");
-            refresh();
-            view->update(); // with the gizmo
+            refreshAll(); // with the gizmo
         },
         {}, true);
 }

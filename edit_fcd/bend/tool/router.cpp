@@ -35,8 +35,7 @@ void BendTool::press(QMouseEvent *event) {
     }
     if (!begin())
         toCamera(event);
-    refresh();
-    view->update();
+    refreshAll();
     if (panel->mode() == BendPanel::Line)
         trace("click: %d vertices, %d points, since the event %.1f ms", model->cm.vn, int(session->state().line.size()),
               millisecondsSinceEvent());
@@ -153,7 +152,7 @@ bool BendTool::changeRim(double times) {
     const bool isPoint = session->state().points.count(tag) > 0; // its radius is how far it bends, not a rim
     hint = QString(isPoint ? "%1: bends the surface within %2 % of the diagonal."
                            : "%1: its free rim is %2 % of the diagonal wide.")
-               .arg(tag ? QString::fromStdString(nameOf(session->state(), tag)) : QString("The fixed part here"))
+               .arg(tag ? nameOf(tag) : QString("The fixed part here"))
                .arg(isPoint ? percent : gapOfRadius * percent, 0, 'f', 1);
     showOverlay();
     solve(true);
@@ -262,7 +261,7 @@ bool BendTool::grab() {
 
 void BendTool::beginDrag(const DragInteraction::Grip &grip) {
     if (grip.tag && handleOf(session->state(), grip.tag).isLocked)
-        throw vcg::fcd::Error(nameOf(session->state(), grip.tag) + " is locked: the list of handles unlocks it.");
+        throw vcg::fcd::Error(nameOf(grip.tag).toStdString() + " is locked: the list of handles unlocks it.");
     foreseenPivots.clear();
     isLimbForeseen = false;
     colors->preview({}); // the drag has its own preview

@@ -17,15 +17,8 @@ BendStage::BendStage(QAction *action) : LayerTool(action) {
 }
 
 MeshModel *BendStage::layer() const {
-    if (!view || !view->md() || !session)
-        return nullptr;
-    MeshModel *found = view->md()->getMesh(layerId);
-    return found == model && session->fits() ? found : nullptr;
-}
-
-void BendStage::showHint() {
-    if (panel)
-        panel->showState(hint);
+    MeshModel *found = session ? presentLayer() : nullptr;
+    return found && session->fits() ? found : nullptr;
 }
 
 void BendStage::step() {
@@ -71,8 +64,7 @@ void BendStage::showVertices(bool full) {
         overlay->move();
 }
 
-/// Shows in the list of layers that the layer has changed. (When the host updates that list, it does so for any edited
-/// layer.)
+/// Shows in the list of layers that the layer has changed. (The host's own updates show that of any edited layer.)
 void BendStage::showChanged() {
     if (isShownChanged && model->meshModified())
         return;
@@ -81,8 +73,7 @@ void BendStage::showChanged() {
     isShownChanged = true;
 }
 
-/// Looks for contact in a shape at rest, once nothing goes on, and shows it in panel, stretch and, the first time, the
-/// log.
+/// Looks for contact at rest, once nothing goes on, and shows it in panel, stretch and, the first time, the log.
 void BendStage::lookForContact() {
     if (!layer() || isLive)
         return;
@@ -122,8 +113,7 @@ void BendStage::showOverlay() {
 void BendStage::comeToRest() {
     display->rest();
     solve(true);
-    refresh();
-    view->update();
+    refreshAll();
 }
 
 void BendStage::solve(bool full) {
@@ -223,8 +213,7 @@ void BendStage::stopPreparing() {
     session->endBeside();
     if (stopped)
         stopped();
-    refresh();
-    view->update();
+    refreshAll();
 }
 
 // --- what the mouse points at ---
@@ -284,6 +273,8 @@ std::optional<GizmoPart> BendStage::partAtMouse() const {
     const int point = shown ? pointAt(window, dotPixels / 2 + 1) : 0;
     return shown && (!point || point == selected()) ? gizmoAt(seen, *shown, window) : std::nullopt;
 }
+
+QString BendStage::nameOf(int tag) const { return QString::fromStdString(::nameOf(session->state(), tag)); }
 
 int BendStage::selected() const {
     if (session->model().influence.isHandle(active))

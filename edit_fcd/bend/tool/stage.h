@@ -90,9 +90,9 @@ class BendStage : public LayerTool {
     void ended() { gone = std::move(going); } ///< keeps it alive: it is the caller
     const BendDrag *drag() const { return going ? going->drag() : nullptr; }
 
-    /// Does work on the session: at once, or, for a large layer, in the background. \param what text of the panel
-    /// meanwhile \param stopped called instead of \p done if it is cancelled or fails; may be empty \param isLong
-    /// always in the background
+    /// Does work on the session: at once, or, for a large layer, in the background. \param what the panel says
+    /// meanwhile \param stopped called, if not empty, instead of \p done after cancel or failure \param isLong not at
+    /// once
     void beside(const QString &what, const JobRunner::Work &work, std::function<void()> done,
                 std::function<void()> stopped = {}, bool isLong = false);
     /// Stops the work in the background, and takes it back.
@@ -112,11 +112,11 @@ class BendStage : public LayerTool {
     };
     Place placeAtMouse() const;
     std::optional<std::size_t> slotAtMouse() const; ///< vertex; none if there is nothing, or another layer
-    /// Whether a press there turns its limb instead of pulling it: in the mode Drag, on no handle that does not turn a
-    /// limb, and if nothing is marked as fixed.
+    /// Whether a press turns the limb there: in the mode Drag, on no handle without a limb, and if nothing is fixed.
     bool isForLimb(const Place &place) const;
     /// The part of the gizmo under the mouse; none on the dot of another handle, which a ring may cross.
     std::optional<GizmoPart> partAtMouse() const;
+    QString nameOf(int tag) const;      ///< of a handle
     int selected() const;               ///< handle that keys move if none is under the mouse; 0: none
     std::optional<Gizmo> gizmo() const; ///< of the selected handle
     Eigen::Matrix3d axesOf(int tag) const;
@@ -133,17 +133,9 @@ class BendStage : public LayerTool {
     void takeNewHandle() const; ///< shows tagToMark() in the panel
     void takeMarks();           ///< ends a marking
 
-    using LayerTool::display;
-    using LayerTool::every;
-    using LayerTool::isPainted;
-    using LayerTool::isStepWanted;
-    using LayerTool::model;
-    using LayerTool::mouse;
-    using LayerTool::overlay;
-    using LayerTool::refresh;
-    using LayerTool::requestStep;
-    using LayerTool::seen;
-    using LayerTool::view;
+    using LayerTool::display, LayerTool::every, LayerTool::isPainted, LayerTool::isStepWanted, LayerTool::model,
+        LayerTool::mouse, LayerTool::overlay, LayerTool::refresh, LayerTool::refreshAll, LayerTool::requestStep,
+        LayerTool::seen, LayerTool::view;
     QPointer<BendPanel> panel;
     std::unique_ptr<BendSession> session;
     std::unique_ptr<MovingPart> moving; ///< while it draws the layer instead of the host
@@ -157,7 +149,7 @@ class BendStage : public LayerTool {
     double millisecondsSinceEvent() const { return sinceEvent.isValid() ? double(sinceEvent.nsecsElapsed()) / 1e6 : 0; }
 
   protected:
-    void showHint() override;
+    ToolPanel *toolPanel() const override { return panel.data(); }
     void step() override;
 
     std::unique_ptr<BendInteraction> going;

@@ -24,8 +24,7 @@ void FitTool::press(QMouseEvent *event) {
             session->change();
             selected = int(dragged->pair);
             display->move();
-            refresh();
-            view->update();
+            refreshAll();
             return;
         }
     }
@@ -170,9 +169,7 @@ void FitTool::pressKey(QKeyEvent *event) {
     hint.clear();
     if (!dragged && !stroke)
         act(key->action);
-    refresh();
-    if (view)
-        view->update();
+    refreshAll();
 }
 
 // --- the panel ---
@@ -232,12 +229,10 @@ void FitTool::act(int action) {
     case FitAction::Pull: setShape(action == FitAction::Reset ? FitShape::Rest : FitShape::Pulled); break;
     case FitAction::Load:
     case FitAction::Save: chooseFiles(action == FitAction::Load); break;
-    case FitAction::LoadCurves: {
-        const QString file = QFileDialog::getOpenFileName(view->window(), "Load curves", QString(), "Tables (*.csv)");
-        if (!file.isEmpty() && isReady())
+    case FitAction::LoadCurves:
+        if (const QString file = fileToLoad("Load curves", "Tables (*.csv)"); !file.isEmpty())
             setCurves(file.toStdString());
         break;
-    }
     case FitAction::ClearCurves: setCurves(""); break;
     case FitAction::SaveSession:
     case FitAction::LoadSession: chooseSession(action == FitAction::LoadSession); break;
@@ -289,8 +284,8 @@ void FitTool::chooseFiles(bool load) {
         showLayers();
     } else {
         expectSavable(session->state().pairs);
-        const QString file = fileToSave(*view, "Save pairs", kinds, *model);
-        if (file.isEmpty() || !isReady())
+        const QString file = fileToSave("Save pairs", kinds);
+        if (file.isEmpty())
             return;
         savePairs(*model, session->restShape().positions().data(), session->state().pairs, file);
         tell("Saved the pairs as " + file.toStdString() + ".");
@@ -313,6 +308,5 @@ void FitTool::apply(bool inPlace) {
         return;
     }
     wasVisible.erase(layerId); // the new layer is shown in its place
-    const Remark remark = [this](const std::string &line) { say(line); };
-    applyToNewLayer([&] { tellCall(session->applyToNewLayer(onto, panel->graphLayers(), remark)); }, false);
+    applyToNewLayer([&] { tellCall(session->applyToNewLayer(onto, panel->graphLayers(), toLog())); }, false);
 }

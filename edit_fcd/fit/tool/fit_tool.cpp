@@ -13,11 +13,6 @@ FitTool::FitTool(QAction *action) : LayerTool(action) {
     every(optionsTimer, [this] { reshape(true); });
 }
 
-void FitTool::showHint() {
-    if (panel)
-        panel->showState(hint);
-}
-
 // --- what is seen ---
 
 /// Whether the last pair lacks its place on the target.
@@ -47,7 +42,7 @@ void FitTool::showLayers() {
     const FitMarks shown = marks();
     bool isChanged = false;
     const auto set = [&](MeshModel *each, bool visible) {
-        const bool before = host::isVisible(*each);
+        const bool before = each->isVisible();
         wasVisible.emplace(each->id(), before);
         if (before != visible) {
             host::setVisible(*each, visible);

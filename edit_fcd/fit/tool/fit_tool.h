@@ -39,8 +39,7 @@ void drawCurves(const FitSession &session, const FitMarks &marks);
 /// Draws the pairs over all else: ends on the layer blue, ends on the target orange, and lines between.
 void drawPairs(const FitSession &session, const FitMarks &marks);
 
-/// The tool FCD: Fit. Turns mouse, keys and the panel's signals into the pairs and the shape of a FitSession, and shows
-/// it.
+/// The tool FCD: Fit. Turns mouse, keys and panel into pairs and shape of a FitSession, and shows it.
 class FitTool : public LayerTool {
     Q_OBJECT
 
@@ -59,7 +58,7 @@ class FitTool : public LayerTool {
   private:
     bool takesEvent(QEvent &event) override;
     void refresh() override;
-    void showHint() override;
+    ToolPanel *toolPanel() const override { return panel.data(); }
     void forgetDocument() override { left.clear(); }
     void step() override;
 

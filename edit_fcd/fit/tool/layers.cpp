@@ -9,10 +9,8 @@
 using vcg::fcd::Error;
 
 MeshModel *FitTool::layer() const {
-    if (!view || !view->md() || !session)
-        return nullptr;
-    MeshModel *found = view->md()->getMesh(layerId);
-    return found == model && found->cm.vn > 0 ? found : nullptr;
+    MeshModel *found = session ? presentLayer() : nullptr;
+    return found && found->cm.vn > 0 ? found : nullptr;
 }
 
 MeshModel *FitTool::target() const {
@@ -103,8 +101,7 @@ void FitTool::changeLayer(MeshDocument &document, GLArea *area) {
 void FitTool::keepShown() {
     stopWork();
     if (session->leave())
-        say("The layer '" + model->label().toStdString() +
-            "' keeps the fit: undo in the tool, or 'FCD: Reset Pose', takes it back.");
+        say("The layer " + inQuotes(*model) + " keeps the fit: undo in the tool, or 'FCD: Reset Pose', takes it back.");
     session->keep(target());
 }
 
@@ -132,8 +129,7 @@ SessionContents FitTool::takeSession(const QString &file) {
     return contents;
 }
 
-/// Leaves the layer in the shown shape, and keeps the session for later. If something else changed the layer, that
-/// stays.
+/// Leaves the layer in the shown shape, or as something else has changed it, and keeps the session for later.
 void FitTool::leave() {
     if (!layer())
         return;
@@ -159,7 +155,7 @@ void FitTool::close() {
     }
     wasVisible.clear();
     session.reset();
-    leaveView(panel);
+    leaveView();
     panel = nullptr;
 }
 
@@ -169,8 +165,7 @@ bool FitTool::isReady() {
     if (session->isUpToDate())
         return true;
     stopWork();
-    say("Something else has changed the layer '" + model->label().toStdString() +
-            "': the fit begins from the shape that it has now.",
+    say("Something else has changed the layer " + inQuotes(*model) + ": the fit begins from the shape that it has now.",
         true);
     MeshModel &same = *model;
     session.reset();

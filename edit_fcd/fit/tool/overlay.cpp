@@ -237,8 +237,7 @@ void FitTool::showColors() {
     std::vector<vcg::Color4b> colors;
     const FittedSurface *fitted = panel->showsDistance() && target() && !dragged ? session->pulled(*target()) : nullptr;
     if (fitted) {
-        most =
-            3 * std::max(fitted->report.percentile95, 1e-6 * fitted->diagonal); // farther vertices have no counterpart
+        most = 3 * std::max(fitted->report.percentile95, 1e-6 * fitted->diagonal); // farther ones have no counterpart
         for (std::size_t i = 0; i < fitted->distance.size(); ++i)
             colors.push_back(fitted->matched[i] ? colorOfDistance(fitted->distance[i] / most) : colorOfNoCounterpart());
     }
