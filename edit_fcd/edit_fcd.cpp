@@ -7,12 +7,17 @@
 #include <QPainter>
 #include <QPixmap>
 
-/// A bent bar with a red handle and a blue fixed end.
-static QIcon bendIcon() {
+static QIcon drawn(const std::function<void(QPainter &)> &draw) {
     QPixmap pixmap(64, 64);
     pixmap.fill(Qt::transparent);
     QPainter painter(&pixmap);
     painter.setRenderHint(QPainter::Antialiasing);
+    draw(painter);
+    return QIcon(pixmap);
+}
+
+/// A bent bar with a red handle and a blue fixed end.
+static void drawBend(QPainter &painter) {
     const auto draw = [&](const QColor &color, double from, double to) {
         painter.setPen(QPen(color, 15, Qt::SolidLine, Qt::FlatCap));
         painter.drawArc(QRectF(14, 14, 76, 76), int(16 * from), int(16 * (to - from)));
@@ -20,15 +25,10 @@ static QIcon bendIcon() {
     draw(QColor(59, 111, 201), 160, 200);
     draw(QColor(240, 197, 60), 112, 161);
     draw(QColor(210, 60, 50), 80, 113);
-    return QIcon(pixmap);
 }
 
 /// Two curves, and pairs of points between them.
-static QIcon fitIcon() {
-    QPixmap pixmap(64, 64);
-    pixmap.fill(Qt::transparent);
-    QPainter painter(&pixmap);
-    painter.setRenderHint(QPainter::Antialiasing);
+static void drawFit(QPainter &painter) {
     const QColor blue(59, 111, 201), orange(245, 140, 25);
     const auto draw = [&](const QColor &color, const QRectF &box, const std::vector<QPointF> &ends) {
         painter.setPen(QPen(color, 7));
@@ -43,10 +43,9 @@ static QIcon fitIcon() {
     painter.drawLine(QPointF(50, 24), QPointF(46, 44));
     draw(orange, QRectF(4, 10, 56, 60), {{14, 24}, {50, 24}});
     draw(blue, QRectF(8, 32, 48, 44), {{18, 44}, {46, 44}});
-    return QIcon(pixmap);
 }
 
-EditFcd::EditFcd() : bend(announce(bendIcon(), "FCD: Bend")), fit(announce(fitIcon(), "FCD: Fit")) {}
+EditFcd::EditFcd() : bend(announce(drawn(drawBend), "FCD: Bend")), fit(announce(drawn(drawFit), "FCD: Fit")) {}
 
 HostEditTool *EditFcd::makeTool(QAction *action) const {
     if (action == fit)

@@ -16,16 +16,16 @@ struct ListColumn {
 };
 
 struct ListCell {
-    QString text, tip;
-    std::optional<QString> typed;  ///< the text in its editor; none: it cannot be edited
-    std::optional<bool> isChecked; ///< of its box; none: no box
-    QColor color;                  ///< of a square before the text; invalid: none
+    QString text{}, tip{};
+    std::optional<QString> typed{};  ///< the text in its editor; none: it cannot be edited
+    std::optional<bool> isChecked{}; ///< of its box; none: no box
+    QColor color{};                  ///< of a square before the text; invalid: none
     bool isCentered = false;
 
-    static ListCell edited(const QString &text) { return {text, {}, text, {}, {}, false}; }
-    bool operator==(const ListCell &other) const {
-        return text == other.text && tip == other.tip && typed == other.typed && isChecked == other.isChecked &&
-               color == other.color && isCentered == other.isCentered;
+    static ListCell edited(const QString &text) { return {text, {}, text}; }
+    bool operator==(const ListCell &o) const {
+        return text == o.text && tip == o.tip && typed == o.typed && isChecked == o.isChecked && color == o.color &&
+               isCentered == o.isCentered;
     }
 };
 

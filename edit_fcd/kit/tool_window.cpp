@@ -18,7 +18,6 @@
 #include <QMdiSubWindow>
 #include <QMenu>
 #include <QMessageBox>
-#include <QRegularExpression>
 #include <QStringList>
 #include <QStyle>
 #include <QTimer>
@@ -123,6 +122,14 @@ std::optional<double> typedNumber(const QString &text) {
     if (!vcg::fcd::detail::ToNumber(word.data(), word.data() + word.size(), number) || !std::isfinite(number))
         return {};
     return number;
+}
+
+NumberBox *numberBox(const QString &name, const QString &tip, double least, double most, int decimals, double value) {
+    auto *box = named(new NumberBox, name, tip);
+    box->setDecimals(decimals);
+    box->setRange(least, most);
+    box->setValue(value);
+    return box;
 }
 
 /// An area that scrolls vertically only.

@@ -64,6 +64,9 @@ class NumberBox : public QDoubleSpinBox {
     }
 };
 
+/// Makes such a field, with its name and tip.
+NumberBox *numberBox(const QString &name, const QString &tip, double least, double most, int decimals, double value);
+
 /// A field for a whole number. If decimals are typed, it keeps its value. (QSpinBox makes 15 of 1,5.)
 class CountBox : public QSpinBox {
   public:

@@ -21,10 +21,7 @@ BendExportDialog::BendExportDialog(double first, double last, QWidget *parent)
     };
     const auto add = [&](const char *name, const QString &label, double least, double most, double value,
                          const QString &tip) {
-        auto *box = named(new NumberBox, name, tip);
-        box->setDecimals(3);
-        box->setRange(least, most);
-        box->setValue(value);
+        auto *box = numberBox(name, tip, least, most, 3, value);
         form->addRow(label, box);
         return box;
     };

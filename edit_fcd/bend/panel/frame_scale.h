@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-/// Maps times and frames of an animation to a bar. The first key frame, frame 0, is at its left end, the last one at
-/// its right end. Positions x are pixels.
+/// Maps times and frames of an animation to a bar, from the first key frame, frame 0, to the last. Positions are
+/// pixels.
 struct FrameScale {
     std::vector<double> key;    ///< times of the key frames, seconds, ascending
     double rate = 24;           ///< frames a second

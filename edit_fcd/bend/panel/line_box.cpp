@@ -51,10 +51,8 @@ BendLineBox::BendLineBox(QWidget *parent) : QWidget(parent) {
     shape = named(new QComboBox, "becomes", texts.shape.help);
     shape->addItems(texts.shape.values);
     form->addRow(labelOf(texts.shape), shape);
-    angle = named(new NumberBox, "angle", texts.angle.help);
-    angle->setRange(-359, 359);
+    angle = numberBox("angle", texts.angle.help, -359, 359, 2, StraightenMeshParam().angle);
     angle->setSuffix(" \u00b0");
-    angle->setValue(StraightenMeshParam().angle);
     form->addRow(labelOf(texts.angle), angle);
     const auto addDirection = [&](const char *name, const ParameterText &text) {
         auto *edit = named(new QLineEdit("0 0 0"), name, text.help);
@@ -68,9 +66,7 @@ BendLineBox::BendLineBox(QWidget *parent) : QWidget(parent) {
     form->addRow(labelOf(texts.target), target);
     reverse = named(new QCheckBox(texts.reverse.label), "reverse", texts.reverse.help);
     form->addRow(reverse);
-    length = named(new NumberBox, "length", texts.length.help);
-    length->setRange(0, 1e6);
-    length->setDecimals(4);
+    length = numberBox("length", texts.length.help, 0, 1e6, 4, 0);
     length->setSpecialValueText("kept");
     form->addRow(labelOf(texts.length), length);
     untwist = named(new QCheckBox(texts.untwist.label), "untwist", texts.untwist.help);

@@ -50,11 +50,7 @@ void BendHandleList::show(const std::vector<BendHandleRow> &handles) {
         name.color = each.color;
         isShown.isChecked = each.isShown;
         isLocked.isChecked = each.isLocked;
-        rows.push_back({name,
-                        isShown,
-                        isLocked,
-                        {each.shortMotion, each.motion, each.motion, {}, {}, false},
-                        {QString(QChar(0xd7)), {}, {}, {}, {}, false}});
+        rows.push_back({name, isShown, isLocked, {each.shortMotion, each.motion, each.motion}, {QChar(0xd7)}});
     }
     if (!showRows(std::move(rows), chosen))
         return;
@@ -90,10 +86,7 @@ void BendPoseList::show(const std::vector<BendPoseRow> &poses) {
     for (const BendPoseRow &each : poses) {
         ListCell name = ListCell::edited(each.name);
         name.tip = each.motions;
-        rows.push_back({name,
-                        {},
-                        ListCell::edited(QString::number(each.percent, 'g', 4)),
-                        {QString(QChar(0xd7)), {}, {}, {}, {}, false}});
+        rows.push_back({name, {}, ListCell::edited(QString::number(each.percent, 'g', 4)), {QChar(0xd7)}});
     }
     const int before = model()->rowCount();
     if (!showRows(std::move(rows)))
@@ -152,7 +145,7 @@ void BendKeyList::show(const std::vector<BendKeyRow> &keys, int selected) {
         Row row;
         for (const QString &text :
              {QString::number(each.time, 'g', 6), QString(easings[each.easing]), each.weights, QString(QChar(0xd7))})
-            row.push_back({text, text, {}, {}, {}, false});
+            row.push_back({text, text});
         row[Time].typed = row[Time].text;
         rows.push_back(std::move(row));
     }

@@ -2,7 +2,6 @@
 #include "edit_fcd/bend/panel/panel.h"
 
 #include "edit_fcd/view/colors.h"
-#include "edit_fcd/kit/tool_window.h"
 
 #include <layer_fcd/bend_state.h>
 
@@ -85,11 +84,11 @@ void BendPanel::addMarking(QWidget &place) {
     brushPixels->setRange(2, 500);
     brushPixels->setValue(QSettings().value(brushSetting, 20).toInt());
     brushPixels->setSuffix(" px");
-    radiusPercent = named(new NumberBox, "reach",
-                          "How far from a handle the surface bends while nothing is fixed, in percent of the diagonal; "
-                          "a fifth of it stays free around marks (wheel while dragging)");
-    radiusPercent->setRange(0.5, 400);
-    radiusPercent->setValue(QSettings().value(radiusSetting, 100 * usualRadius).toDouble());
+    radiusPercent =
+        numberBox("reach",
+                  "How far from a handle the surface bends while nothing is fixed, in percent of the diagonal; "
+                  "a fifth of it stays free around marks (wheel while dragging)",
+                  0.5, 400, 2, QSettings().value(radiusSetting, 100 * usualRadius).toDouble());
     radiusPercent->setSuffix(" %");
     auto *sizes = new QHBoxLayout;
     sizes->addWidget(brushPixels);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/bend/panel/panel.h"
-#include "edit_fcd/kit/tool_window.h"
 
 #include <layer_fcd/parameters.h>
 
@@ -100,21 +99,16 @@ void BendPanel::addMore(QBoxLayout &column) {
     auto *form = new QFormLayout(moreOptions);
     form->setContentsMargins(0, 0, 0, 0);
     form->setVerticalSpacing(3);
-    smoothnessValue = named(new NumberBox, "smoothness", "How evenly turns spread over the surface: higher is stiffer");
-    smoothnessValue->setDecimals(4);
-    smoothnessValue->setRange(0, 10);
+    smoothnessValue =
+        numberBox("smoothness", "How evenly turns spread over the surface: higher is stiffer", 0, 10, 4, 0.0058);
     smoothnessValue->setSingleStep(0.002);
-    smoothnessValue->setValue(0.0058);
     form->addRow("Smoothness", smoothnessValue);
     falloffChoice = addShapeChoice(*form, "falloff", falloffText());
     const ParameterText words = elasticText();
     elastic = named(new QCheckBox(words.label), "elastic", words.help);
     form->addRow(elastic);
-    rigidityValue = named(new NumberBox, "rigidity", rigidityText().help);
-    rigidityValue->setDecimals(3);
-    rigidityValue->setRange(0, 1);
+    rigidityValue = numberBox("rigidity", rigidityText().help, 0, 1, 3, 1);
     rigidityValue->setSingleStep(0.1);
-    rigidityValue->setValue(1);
     form->addRow("Rigidity", rigidityValue);
     connect(elastic, &QCheckBox::toggled, rigidityValue, &QWidget::setDisabled); // what keeps its volume is rigid
     patchCount = named(new CountBox, "patches",

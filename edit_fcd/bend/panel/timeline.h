@@ -9,8 +9,8 @@
 
 #include "edit_fcd/bend/panel/frame_scale.h"
 
-/// The key frames as marks on a bar, with the numbers of their frames. A press or a drag shows the frame there. With
-/// Shift, a mark is dragged to another time.
+/// The key frames as marks on a bar, with numbers of frames. A press or drag shows a frame; with Shift, it moves a
+/// mark.
 class BendTimeline : public QWidget {
     Q_OBJECT
 

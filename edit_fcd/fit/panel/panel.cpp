@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "edit_fcd/fit/panel/panel.h"
-#include "edit_fcd/kit/tool_window.h"
 #include "edit_fcd/view/colors.h"
 
 #include <cmath>
@@ -152,9 +151,8 @@ void FitPanel::addShape(QBoxLayout &column) {
     brushPixels->setSuffix(" px");
     painting->addWidget(brushPixels);
     form->addRow("Brush", painting);
-    largest = named(new NumberBox, "largest", "Parts farther than this from the target have no counterpart there");
-    largest->setDecimals(4);
-    largest->setRange(0, FitOptions::mostDistance);
+    largest = numberBox("largest", "Parts farther than this from the target have no counterpart there", 0,
+                        FitOptions::mostDistance, 4, 0);
     largest->setSpecialValueText("no limit");
     connect(largest, &QDoubleSpinBox::editingFinished, this, &FitPanel::optionsChanged);
     form->addRow("Largest distance", largest);
