@@ -90,8 +90,7 @@ void askBending(Fields &fields, vcg::fcd::DeformationParam &deformation, bool al
             "pose_steps", deformation.steps, Shown::Advanced, "Pose in steps",
             "The least number of steps to the pose, each from the shape before. A handle that turns takes at least one "
             "for each 60 degrees. <b>Raise it</b> (to 10, say) when the log says that the shape jumps on its way.");
-    if (fields.areRead())
-        deformation.Validate();
+    deformation.Validate();
 }
 
 void askGraphLayers(Fields &fields, bool &graphLayers) {
@@ -198,8 +197,7 @@ void askHandles(Fields &fields, HandleParam &handles, Shown shown) {
         "start and target. The vertex nearest to a start moves as the start does. You may combine points and tags; "
         "points belong where the surface is free. A layer without tags is then all free.");
     askMotion(fields, handles, shown);
-    if (fields.areRead())
-        handles.validate();
+    handles.validate();
 }
 
 void askTags(Fields &fields, HandleParam &handles, Shown shown) {

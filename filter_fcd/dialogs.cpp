@@ -171,8 +171,7 @@ void letScroll(const Guard &guard, QDockWidget &dialog) {
         guard.when(button, &QPushButton::clicked, area, [guard, area, again] { guard.later(area, again); });
 }
 
-/// Updates the lists of layers in a dialog when layers change: the host goes by the index in the list of the dialog's
-/// opening.
+/// Updates the lists of layers in a dialog when layers change: the host goes by the index when the dialog was opened.
 void followLayers(const Guard &guard, QWidget &content, MeshDocument &document) {
     struct Layers {
         QStringList labels;
@@ -215,8 +214,8 @@ void followLayers(const Guard &guard, QWidget &content, MeshDocument &document) 
                });
 }
 
-/// Makes the button Default open the dialog again with the defaults. (The host's own restores the values at the
-/// dialog's opening, which are remembered ones.)
+/// Makes the button Default open the dialog anew with the defaults. (The host's restores its first values, remembered
+/// ones.)
 void letDefaultBeDefaults(const Guard &guard, QWidget &content, const std::function<void()> &openWithDefaults) {
     for (QPushButton *button : content.findChildren<QPushButton *>())
         if (button->text() == "Default")

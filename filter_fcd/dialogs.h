@@ -15,8 +15,7 @@ class LastValues {
   public:
     /// \param meant the layer that \p filter ran on
     void keep(int filter, const RichParameterList &used, const MeshDocument &document, const MeshModel &meant);
-    /// Sets \p list, of a filter, to the values of its last run. Of layers, only handleLayer, if there is a layer of
-    /// its name.
+    /// Sets \p list, of a filter, to its last values. Of layers, only handleLayer, if there is a layer of its name.
     void recall(int filter, RichParameterList &list, const MeshDocument &document) const;
     void forget(int filter) { lists.erase(filter); }
 

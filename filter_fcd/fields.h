@@ -4,8 +4,7 @@
 
 #include <layer_fcd/parameters.h> // before Qt
 
-/// Declares the parameters of a filter to the host, with their present values as defaults, or reads them: a call for
-/// each parameter, in order, does either.
+/// Declares the parameters of a filter to the host, with present values as defaults, or reads them, by the same calls.
 class Fields {
   public:
     using Shown = host::Shown;
@@ -68,8 +67,7 @@ class Fields {
             value = host::layerParameter(*given, name, document);
     }
 
-    /// Reorders what was declared: \p first, then, if \p others, the rest. handleLayer goes before all if older scripts
-    /// may lack it.
+    /// Reorders what was declared: \p first, then, if \p others, the rest. A handleLayer that scripts may lack begins.
     void order(QStringList first, bool others);
 
     const MeshDocument &document;

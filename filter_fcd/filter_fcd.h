@@ -15,27 +15,13 @@ class FilterFcd : public HostFilterPlugin {
     FCD_PLUGIN_METADATA
 
   public:
+    // clang-format off
     enum Filter {
-        BuildGraph,
-        DeformMesh,
-        FitMesh,
-        StraightenMesh,
-        Symmetrize,
-        Compensate,
-        PoseSequence,
-        PoseInPlace,
-        ResetPose,
-        CopyDeformation,
-        SaveDeformation,
-        Tag,
-        ClearTags,
-        SaveSession,
-        LoadSession,
-        // What Tag does, in three parts, for older scripts: not shown.
-        TagSelection,
-        TagsFromFiles,
-        SaveTags
+        BuildGraph, DeformMesh, FitMesh, StraightenMesh, Symmetrize, Compensate, PoseSequence, PoseInPlace, ResetPose,
+        CopyDeformation, SaveDeformation, Tag, ClearTags, SaveSession, LoadSession,
+        TagSelection, TagsFromFiles, SaveTags // what Tag does, in three parts, for older scripts: not shown
     };
+    // clang-format on
 
     FilterFcd();
 

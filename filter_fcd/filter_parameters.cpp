@@ -41,8 +41,7 @@ void ask(Fields &fields, BuildGraphParam &param) {
                      "Also adds the graph as balls and tubes, for any viewer and every format.");
     else
         param.surfaceLayer = host::inWindow();
-    if (fields.areRead())
-        param.graph.Validate();
+    param.graph.Validate();
 }
 
 void ask(Fields &fields, DeformMeshParam &param) {
@@ -188,8 +187,7 @@ void ask(Fields &fields, StraightenMeshParam &param) {
                   "Result quality",
                   "The vertex quality of the result: that of the input, or how far along the line the vertex is, in "
                   "world units from its beginning, for profiles and cuts.");
-    if (fields.areRead())
-        param.bend.Validate();
+    param.bend.Validate();
 }
 
 void ask(Fields &fields, SequenceParam &param) {

@@ -12,13 +12,11 @@ const char *const reference = "<br>Method: A. Morsucci, M. Centin, A. Signoroni,
                               "large mesh models</i>, STAG 2018 "
                               "(<a href='https://doi.org/10.2312/stag.20181302'>doi:10.2312/stag.20181302</a>)";
 
-// MM_VERTNUMBER switches the preview off, which could not be undone (the host does not restore attributes), or would
-// write files.
+// MM_VERTNUMBER switches off a preview that writes files, or cannot be undone (the host does not restore attributes).
 const int shape = MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL | MeshModel::MM_FACENORMAL,
           tags = MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR;
 
-// Flags of a filter: its help names the reference; the host loads the textures of the new current layer (the class
-// Texture makes it do so).
+// Flags of a filter: its help names the reference; the host loads the new layer's textures (by the class Texture).
 const int ofMethod = 1, textured = 2;
 
 struct Described {

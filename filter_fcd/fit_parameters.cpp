@@ -160,8 +160,7 @@ void ask(Fields &fields, FitMeshParam &param) {
         "target in world units, or <b>matched</b>: 1 where it lies on the target, 0 where it has no counterpart.");
     askHandles(fields, param.handles, Shown::Advanced);
     param.handles.mayLack = true;
-    if (fields.areRead())
-        fit.Validate();
+    fit.Validate();
 }
 
 // Parameters of the filters that match surfaces, and of two of them.
@@ -207,8 +206,7 @@ void ask(Fields &fields, SymmetrizeParam &param) {
                   "The vertex quality of the result, to colour, select or save. <b>Asymmetry</b>: how far the vertex "
                   "was from the mirror image of its counterpart. <b>Way moved</b>: how far it moved. Both in world "
                   "units. <b>Matched</b>: 1 where it has a counterpart on the other side, else 0.");
-    if (fields.areRead())
-        fit.ValidateFit();
+    fit.ValidateFit();
 }
 
 void ask(Fields &fields, CompensateLayerParam &param) {

@@ -72,8 +72,7 @@ class HostFilterPlugin : public QObject,
     /// The parameters of filter \p id with their defaults. Cheap, and valid on a document without any layer.
     virtual RichParameterList parameters(int id, const MeshDocument &document) const = 0;
 
-    /// Runs filter \p id. \throw any std::exception: its text is the message for the user, and the document is as it
-    /// was
+    /// Runs filter \p id. \throw any std::exception: its text is for the user, and the document is as it was
     virtual ReturnedValues run(int id, const RichParameterList &parameters, MeshDocument &document,
                                vcg::CallBackPos *callback) = 0;
 
@@ -158,8 +157,7 @@ class HostFilterPlugin : public QObject,
     }
 
 #ifdef FCD_MESHLAB_2020
-    /// Corrects the layers in the window's script: the window writes those of the dialog's opening, not the chosen
-    /// ones.
+    /// Corrects the layers in the window's script: the window writes the dialog's first ones, not the chosen ones.
     static void nameLayersInScript(FilterScript &script, const MeshDocument &document, const QString &filter) {
         if (script.isEmpty() || script.last().first != filter)
             return;

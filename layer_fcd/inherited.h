@@ -8,18 +8,16 @@
 #include <vector>
 
 /// \file
-/// Inheritance of states. If a host merges, splits or duplicates layers, it copies positions of vertices, and colours
-/// and quality of tags. Rest shapes, and the colours and quality before tagging, come from the states of the original
-/// layers.
+/// Inheritance of states. Hosts that merge, split or duplicate layers copy positions of vertices, and colours and
+/// quality of tags. Rest shapes, and colours and quality before tagging, come from the states of the original layers.
 
 /// The rest shapes that \p layer gets from another layer. Its vertices must be copies of that layer's, in the same
 /// order and where the last pose left them, in that layer's coordinates or in the world's (hosts merge layers there).
 /// None otherwise, or if no shape differs from the present one. \param others the states of other layers
 std::optional<RestState> inheritedRest(const MeshModel &layer, const std::vector<const LayerState *> &others);
 
-/// The colours and quality kept aside for vertices of \p layer that are copies from other layers: with their positions,
-/// and with the colours or quality of the tags. None if there are no such vertices. \param sources the states of other
-/// layers
+/// The colours and quality kept aside for vertices of \p layer that are copies of other layers': at their positions,
+/// with colours or quality of their tags. None if there are no such vertices. \param sources states of other layers
 std::optional<KeptScan> inheritedScan(const MeshModel &layer, const std::vector<const LayerState *> &sources);
 
 /// Gives a copy what its original has of both, unless it has its own.

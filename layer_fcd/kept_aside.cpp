@@ -13,6 +13,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 using vcg::fcd::Error;
 
@@ -22,12 +23,12 @@ static KeptScan *scanOf(const MeshModel &layer) {
     return state && state->scan ? &*state->scan : nullptr;
 }
 
-/// What is kept aside for \p layer, or for its original; null: nothing. \param found out: the latter
-static const KeptScan *keptOf(const MeshDocument &document, const MeshModel &layer, std::optional<KeptScan> &found) {
+/// What is kept aside for \p layer, which owns it, or for its original; null: nothing.
+static std::shared_ptr<const KeptScan> keptOf(const MeshDocument &document, const MeshModel &layer) {
     if (const KeptScan *scan = scanOf(layer))
-        return scan;
-    found = inheritedScan(layer, LayerState::ofOthers(document, layer));
-    return found ? &*found : nullptr;
+        return {std::shared_ptr<void>(), scan};
+    std::optional<KeptScan> found = inheritedScan(layer, LayerState::ofOthers(document, layer));
+    return found ? std::make_shared<const KeptScan>(std::move(*found)) : nullptr;
 }
 
 void keepAside(const MeshDocument &document, MeshModel &layer, bool color, bool quality) {
@@ -116,8 +117,7 @@ BroughtBack bringBack(const MeshDocument &document, MeshModel &layer) {
     dropMarks(layer);
     if (!scanOf(layer) && hadMarks)
         return {};
-    std::optional<KeptScan> found;
-    const KeptScan *scan = keptOf(document, layer, found);
+    const std::shared_ptr<const KeptScan> scan = keptOf(document, layer);
     if (!scan)
         throw Error("The layer " + inQuotes(layer) +
                     " has no tags of an FCD filter and no marks of the tool, so there is nothing to bring back.");
@@ -167,8 +167,7 @@ static std::vector<vcg::Color4b> ownColors(const MeshModel &layer, const KeptVer
 }
 
 void bringBackTo(const MeshDocument &document, MeshModel &copy, const MeshModel &layer) {
-    std::optional<KeptScan> found;
-    const KeptScan *scan = keptOf(document, layer, found);
+    const std::shared_ptr<const KeptScan> scan = keptOf(document, layer);
     if (!scan)
         return;
     const KeptVertices kept(layer, *scan);
@@ -184,8 +183,7 @@ void bringBackTo(const MeshDocument &document, MeshModel &copy, const MeshModel 
 }
 
 std::vector<vcg::Color4b> ownColors(const MeshDocument &document, const MeshModel &layer) {
-    std::optional<KeptScan> found;
-    const KeptScan *scan = keptOf(document, layer, found);
+    const std::shared_ptr<const KeptScan> scan = keptOf(document, layer);
     if (!scan || !scan->color)
         return ownColors(layer, nullptr, true);
     const KeptVertices kept(layer, *scan);

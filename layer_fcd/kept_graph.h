@@ -16,8 +16,7 @@
 
 /// The graph state of \p layer, if a filter made it or its original; else none.
 std::optional<GraphState> graphOf(const MeshDocument &document, const MeshModel &layer);
-/// Whether \p layer is a graph that was built, not points that were placed by hand. A layer from a file counts as a
-/// graph if its quality may be radii.
+/// Whether \p layer is a graph that was built, not points placed by hand; of a file, if its quality may be radii.
 bool isGraph(const MeshDocument &document, const MeshModel &layer);
 /// The default graph, at rest or deformed, for the current layer: its last one, or else the last of all. Layers from
 /// files are told by their labels. The current layer if there is none.

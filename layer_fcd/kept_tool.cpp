@@ -15,16 +15,16 @@ void keepTool(const MeshDocument &document, MeshModel &layer, std::string text, 
 
 std::shared_ptr<const ToolState> toolOf(const MeshModel &layer) {
     const LayerState &state = LayerState::known(layer);
-    const bool isIts = state.tool && state.tool->matrix == layer.cm.Tr && (!state.tool->isPosed || state.rest) &&
-                       state.tool->shape == shapeOf(layer.cm);
-    return isIts ? state.tool : nullptr;
+    const bool isSame = state.tool && state.tool->matrix == layer.cm.Tr && (!state.tool->isPosed || state.rest) &&
+                        state.tool->shape == shapeOf(layer.cm);
+    return isSame ? state.tool : nullptr;
 }
 
 FitShape fitShownBy(const MeshModel &layer) {
     const LayerState &state = LayerState::known(layer);
-    const bool isIts = state.rest && state.fit && state.fit->shown != FitShape::Rest &&
-                       state.fit->matrix == layer.cm.Tr && state.fit->shape == shapeOf(layer.cm);
-    return isIts ? state.fit->shown : FitShape::Rest;
+    const bool isSame = state.rest && state.fit && state.fit->shown != FitShape::Rest &&
+                        state.fit->matrix == layer.cm.Tr && state.fit->shape == shapeOf(layer.cm);
+    return isSame ? state.fit->shown : FitShape::Rest;
 }
 
 /// Tags as LayerState::marks: 0 is free, as new vertices are.

@@ -28,10 +28,8 @@ LayerDeformer::LayerDeformer(MeshDocument &document, MeshModel &layer, PreparedL
 
 /// Reads the surface into arrays, once.
 void LayerDeformer::readSurface() {
-    if (rest)
-        surface = vcg::tri::ReadSurface(layer.cm, {}, [this](std::size_t slot) { return rest[slot]; });
-    else
-        surface = vcg::tri::ReadSurface(layer.cm);
+    surface = rest ? vcg::tri::ReadSurface(layer.cm, {}, [this](std::size_t slot) { return rest[slot]; })
+                   : vcg::tri::ReadSurface(layer.cm);
 }
 
 void LayerDeformer::prepare(const vcg::fcd::SurfaceView &read, std::vector<int> tag, const Eigen::Affine3d &world,

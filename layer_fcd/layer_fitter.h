@@ -100,8 +100,8 @@ void poseAs(const MeshDocument &document, MeshModel &layer, const PositionAt &po
     rest.knowNormals();
 }
 
-/// Gives \p layer the shape of a fit, to the bit as in the layer of addFitted; its present shape becomes the rest
-/// shape. \pre it has the shape that was fitted
+/// Gives \p layer the shape of a fit, with the bits of addFitted; its present one, which was fitted, becomes the rest
+/// shape.
 void poseFitted(const MeshDocument &document, MeshModel &layer, const FittedSurface &fitted);
 
 #endif

@@ -7,7 +7,6 @@
 #include <algorithm>
 
 #include <QBuffer>
-#include <QDir>
 #include <QFile>
 #include <QFileInfo>
 #include <QImage>

@@ -96,8 +96,7 @@ std::optional<Eigen::Affine3d> affineMapOf(const std::vector<Eigen::Vector3d> &f
     if (!isFlat(axes.singularValues(), thin)) {
         map.linear() = both * inverse;
     } else if (axes.singularValues()[1] > thin * axes.singularValues()[0]) {
-        // Points in a plane tell the map beside the plane if they were turned, moved and scaled as a whole, not
-        // mirrored.
+        // Points in a plane tell the map beside it if they were turned, moved and scaled as a whole, not mirrored.
         const Eigen::Vector3d u = axes.matrixU().col(0), v = axes.matrixU().col(1),
                               a = both * u / axes.singularValues()[0], b = both * v / axes.singularValues()[1],
                               normal = a.cross(b);

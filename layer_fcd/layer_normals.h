@@ -17,9 +17,8 @@ void computeNormals(CMeshO &mesh);
 /// The same, and the bounding box.
 void computeBoxAndNormals(CMeshO &mesh);
 
-/// Whether more than \p share of the vertices at faces have normals farther than \p degrees from the mean of the faces'
-/// normals, both by area and by angle. Some thousand vertices decide if they are six standard deviations from \p share;
-/// else all do.
+/// Whether more than \p share of the vertices at faces have normals farther than \p degrees from their faces' mean,
+/// both by area and by angle. Some thousand vertices decide if six standard deviations from \p share; else all.
 bool hasOtherNormals(const MeshModel &layer, double degrees, double share);
 
 /// Whether \p layer has normals that cannot be computed from its faces: those of a cloud, or others than the faces'.

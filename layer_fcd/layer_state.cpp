@@ -33,9 +33,8 @@ using StateLayout =
 #endif
            >;
 
-/// The mesh tells its state through this attribute where vertices go. It has no memory, since the host does not free
-/// attributes of a deleted mesh. It has no name, since filters of the host read values from the first attribute with a
-/// name.
+/// The mesh tells its state through this attribute where vertices go. It has no memory, since hosts do not free
+/// attributes of a deleted mesh, and no name, since filters of the host read values from the first attribute with one.
 template <class Layout>
 class Attribute final : public host::Follower {
   public:
@@ -76,8 +75,7 @@ const char *propertyName() { return typeid(StateAttribute).name(); }
 /// The states of a document's layers, by layer number.
 using States = std::map<int, std::shared_ptr<LayerState>>;
 
-/// The states of \p document; null: none. A property of the document points at them. Their owner is the connection that
-/// reports deleted layers.
+/// The states of \p document, by a property of it; null: none. The connection that reports deleted layers owns them.
 States *statesOf(const MeshDocument &document) {
     return static_cast<States *>(document.property(propertyName()).value<void *>());
 }
@@ -102,8 +100,7 @@ std::string listOf(const LayerState &state, bool hasTool) {
     return all.join(", ").toStdString();
 }
 
-/// A layer was deleted. Other layers inherit from its state, such as the one that it was merged into. The log tells
-/// what is lost.
+/// A layer was deleted. Others, such as one that it was merged into, inherit its state. The log tells what is lost.
 void leaveTo(MeshDocument &document, LayerState &gone) {
     try {
         if (handDownScan(document, gone))

@@ -55,9 +55,8 @@ struct KnownLine {
 /// The line and its goal, from the layers and files of \p param. \throw vcg::fcd::Error
 vcg::fcd::LineGoal lineGoalOf(const MeshModel &layer, const StraightenMeshParam &param);
 
-/// Straightens the surface of a layer. The layer itself is not read, so this may run in another thread than the
-/// window's. \param known of the same goal and \p param, maybe for another surface \throw vcg::fcd::Error,
-/// vcg::fcd::Cancelled
+/// Straightens the surface of a layer, which is not read, so this may run in another thread than the window's. \param
+/// known of the same goal and \p param, maybe of another surface \throw vcg::fcd::Error, vcg::fcd::Cancelled
 StraightenedShape straightened(LineSurface surface, vcg::fcd::LineGoal goal, const StraightenMeshParam &param,
                                const vcg::fcd::Progress &progress, const KnownLine &known = {});
 

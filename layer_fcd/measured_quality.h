@@ -12,8 +12,7 @@
 /// tags of the layer that it is a result of
 void keepMeasured(const MeshDocument &document, MeshModel &layer, bool areTags = false);
 
-/// Whether a filter here has measured the quality of \p layer: vertices since then may be new, or gone, but no other
-/// one has another quality.
+/// Whether a filter here has measured the quality of \p layer. Vertices may be new since, or gone; none has another.
 bool isMeasured(const MeshModel &layer);
 
 /// Lets a copy know that its quality was measured: all its vertices are at places of other layers' vertices with that

@@ -163,16 +163,15 @@ inline Matrix44m matrixParameter(const RichParameterList &list, const QString &n
 #endif
 }
 
-/// Whether a script may lack parameters, which then have their defaults. If not, a filter gets no new parameters, so
-/// that old scripts go on running.
+/// Whether a script may lack parameters, which have defaults then. Else filters get no new ones, so that old scripts
+/// run.
 #ifdef FCD_MESHLAB_2020
 constexpr bool scriptsMayLackParameters = false;
 #else
 constexpr bool scriptsMayLackParameters = true;
 #endif
 
-/// Whether a script may lack the first parameter only: then a new parameter, which has another place in the window, is
-/// the first.
+/// Whether a script may lack the first parameter only. A new parameter is then the first, unlike in the window.
 inline bool firstMayBeLacking() { return !scriptsMayLackParameters && !inWindow(); }
 
 /// Whether dialogs scroll and fold advanced parameters. If not, a long dialog has its buttons below the screen.
@@ -184,8 +183,7 @@ constexpr bool dialogsFold = true;
 
 // --- attributes ---
 
-// Filters and tool are two libraries that find each other's attributes. So types are compared by name, not by the
-// address of the name, as some compilers do.
+// Filters and tool, two libraries, find each other's attributes: types are compared by name, not by the name's address.
 
 /// Whether the type of an attribute has the name of T.
 template <class T>
@@ -233,14 +231,6 @@ inline void setVisible(MeshModel &layer, bool visible) {
     layer.visible = visible;
 #else
     layer.setVisible(visible);
-#endif
-}
-
-inline bool isVisible(const MeshModel &layer) {
-#ifdef FCD_MESHLAB_2020
-    return layer.visible;
-#else
-    return layer.isVisible();
 #endif
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kept_aside.h"
 #include "kept_graph.h"
-#include "kept_tool.h"
 #include "layer_contents.h"
 #include "layer_labels.h"
 #include "layer_normals.h"
@@ -55,8 +54,7 @@ void addAttributes(CMeshO &to, const MeshModel &from, const Remark &remark) {
     add(from.cm.face_attr, false);
 }
 
-/// \p label, or "LABEL(n)" if a layer that is not among \p but has it. (MeshLab's own function takes a dot for the
-/// begin of an extension.)
+/// \p label, or "LABEL(n)" if a layer not among \p but has it. (MeshLab's own function takes a dot for an extension.)
 QString unusedLabel(const MeshDocument &document, const QString &label, const std::vector<MeshModel *> &but) {
     const std::vector<const MeshModel *> layers = host::layers(document);
     for (int n = 0;; ++n) {

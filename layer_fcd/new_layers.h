@@ -13,8 +13,7 @@
 #include <memory>
 #include <vector>
 
-/// Adds layers to a document, all or none: without keep(), the destructor removes them again, and the current layer is
-/// the one it was.
+/// Adds layers to a document, all or none: without keep(), the destructor removes them, and restores the current layer.
 class NewLayers {
   public:
     /// \param base gives the new layers their names (labelOf) and its matrix
@@ -64,8 +63,7 @@ class NewLayers {
     /// cancel), then calls \p before, which may still fail. \throw vcg::fcd::Cancelled, and what \p before throws
     void keep(const MeshModel &current, const vcg::fcd::Progress &progress, const std::function<void()> &before = {});
 
-    /// The same for results of \p source: the last of \p results becomes the current layer, and in the window the only
-    /// visible one of these.
+    /// The same for results of \p source: the last becomes the current layer, and, in the window, the only visible one.
     void keepResults(MeshModel &source, const std::vector<MeshModel *> &results, const vcg::fcd::Progress &progress);
 
     /// The same for several, all or none.
@@ -98,8 +96,7 @@ void showResult(MeshDocument &document, MeshModel &source, const std::vector<Mes
 /// The source of \p layer, if it still exists and \p layer has not changed since; else \p layer.
 MeshModel &sourceOf(MeshDocument &document, MeshModel &layer);
 
-/// The earlier results of \p source that have not changed since, to the bit: nothing was moved, painted, tagged,
-/// deleted or renamed.
+/// The earlier results of \p source that have the same bits still: not moved, painted, tagged, deleted or renamed.
 std::vector<MeshModel *> earlierResults(MeshDocument &document, const MeshModel &source);
 
 /// The vertices of \p graph in the coordinates of \p layer, 3 x k.

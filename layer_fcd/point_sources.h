@@ -28,8 +28,7 @@ class VertexFinder {
     /// The position of a vertex, layer units.
     Eigen::Vector3d at(std::size_t slot) const { return toVector(rest ? rest[slot] : layer.cm.vert[slot].cP()); }
 
-    /// Says which points of \p file, of those given to nearestTo, are farther from the layer than it is large, and
-    /// forgets them.
+    /// Says which points of \p file that nearestTo got are farther from the layer than it is large, and forgets them.
     void tellFar(const QString &file, const Remark &remark);
 
     const Eigen::Affine3d world; ///< from layer to world units

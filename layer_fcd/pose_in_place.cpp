@@ -4,7 +4,6 @@
 #include "layer_labels.h"
 #include "layer_deformer.h"
 
-#include <functional>
 #include <mutex>
 #include <new>
 

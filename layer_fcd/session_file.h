@@ -56,8 +56,7 @@ struct SessionContents {
 /// The contents in words: a list, then what loading changed or left.
 std::string describe(const SessionContents &contents);
 
-/// Writes the state of \p layer. \throw vcg::fcd::Error there is none, or the file cannot be written; an existing file
-/// is then unchanged
+/// Writes the state of \p layer. \throw vcg::fcd::Error there is none, or the file, then unchanged, cannot be written
 SessionContents saveSession(const MeshModel &layer, const QString &file);
 
 /// Reads a file of saveSession: \p layer is then as it was saved. It must have the saved shape, or the saved rest

@@ -49,8 +49,7 @@ const vcg::PointerToAttribute *expectFit(const CMeshO &mesh, const std::vector<i
     return attribute;
 }
 
-/// The tags of \p layer, one per vertex slot; all free if it has none yet. \throw Error the quality or attribute holds
-/// numbers that are no tags
+/// The tags of \p layer, one per vertex slot; all free if it has none yet. \throw Error it has numbers that are no tags
 std::vector<int> presentTags(const MeshModel &layer, const TagTarget &target) {
     const CMeshO &mesh = layer.cm;
     HandleParam source;

@@ -19,8 +19,7 @@ vcg::fcd::TagCount writeTags(const MeshDocument &document, MeshModel &layer, con
 vcg::fcd::TagCount tagLayer(const MeshDocument &document, MeshModel &layer, const TagParam &param,
                             const Remark &remark);
 
-/// Writes the tags and, if asked for, the motions, in world coordinates, to files. \throw vcg::fcd::Error; the files
-/// are then as they were
+/// Writes tags and, if asked for, motions, in world coordinates, to files. \throw vcg::fcd::Error; files are unchanged
 vcg::fcd::TagCount saveTags(const MeshDocument &document, const MeshModel &layer, const SaveTagsParam &param,
                             const Remark &remark);
 

@@ -4,11 +4,8 @@
 #include <layer_fcd/layer_contents.h>
 #include <layer_fcd/layer_matrix.h>
 #include <layer_fcd/layer_normals.h>
-#include <layer_fcd/rest_shape.h>
 
 #include <vcg/complex/algorithms/update/bounding.h>
-
-#include <algorithm>
 
 RestGuard::RestGuard(MeshModel &layer) : layer(layer), matrix(invertibleMatrixOf(layer)) {}
 

@@ -26,8 +26,8 @@ class RestGuard {
     explicit RestGuard(MeshModel &layer);
     /// Makes the present shape of the layer the rest shape.
     void keep();
-    /// The same for a layer in a pose of its RestShape: calls \p keepRest, which calls keep(), while the layer is at
-    /// rest. \pre it has a RestShape
+    /// The same for a layer in a pose of its RestShape: calls \p keepRest, to call keep(), while it is at rest. \pre it
+    /// has one
     void keepPosed(const std::function<void()> &keepRest);
 
     /// Whether the layer has as many vertices and faces as it had.
@@ -46,8 +46,7 @@ class RestGuard {
 
     /// Gives vertices their positions and normals at rest.
     void restoreVertices();
-    /// Restores the rest shape to the bit, with normals of faces and the box; nothing if the layer is another mesh by
-    /// now.
+    /// Restores the rest shape to the bit, with normals of faces and the box, unless the layer is another mesh by now.
     void restore();
 
     /// Per vertex slot, in the layer.
@@ -129,8 +128,7 @@ class PoseSolver {
     const vcg::fcd::Deformer::Pose &solveBlend(std::vector<std::map<int, vcg::fcd::Motion>> poses,
                                                const Eigen::Affine3d &world, const std::vector<double> &weight,
                                                const Param &param);
-    /// Begins an animation: solveNextBlend then goes on from the pose before, and from rest at first, as long as
-    /// nothing else is solved or prepared.
+    /// Begins an animation: from rest, then from the pose before, until something else is solved or prepared.
     void beginBlends(std::vector<std::map<int, vcg::fcd::Motion>> poses, const Eigen::Affine3d &world,
                      const Param &param);
     const vcg::fcd::Deformer::Pose &solveNextBlend(const std::vector<double> &weight) { return blends->Go(weight); }

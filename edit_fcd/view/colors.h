@@ -6,8 +6,7 @@
 
 #include <vector>
 
-/// The colour of a stretch by 2^exponent: blue for -1 or less (half as long), grey for 0, red for 1 or more (twice as
-/// long).
+/// The colour of a stretch by 2^exponent: blue for -1 or less, grey for 0, red for 1 (twice as long) or more.
 vcg::Color4b colorOfStretch(double exponent);
 
 /// One colour per vertex slot, by the mean TriangleStretch::Exponent() of its faces, weighed by their area at rest.

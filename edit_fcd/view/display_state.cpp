@@ -3,8 +3,7 @@
 
 using Names = MLRenderingData::ATT_NAMES;
 
-// Up to so many faces, normals and buffers of faces take about 3 ms, a quarter of a step (two cores; 270 000 take 16
-// ms).
+// Normals and buffers of so many faces take about 3 ms, a quarter of a step (two cores; 270 000 take 16 ms).
 const int mostFaces = 50000;
 
 void DisplayState::set(const MLRenderingData &data) {

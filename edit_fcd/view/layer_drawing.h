@@ -80,8 +80,7 @@ void put(const Eigen::Vector3d &p); ///< a vertex between glBegin() and glEnd()
 /// \param size pixels
 void drawPoint(const Eigen::Vector3d &p, float size);
 
-/// Draws colours over a layer, which does not change. Buffers are written when colours, elements or the layer's
-/// positions change.
+/// Draws colours over a layer. Buffers are written when colours, elements or the layer's positions change.
 class LayerOverlay {
   public:
     LayerOverlay();
@@ -89,8 +88,8 @@ class LayerOverlay {
     /// Shows colours over the faces of a layer, or over its vertices if it has no faces. \param color one per vertex
     /// slot; alpha 0: nothing is shown there \param isIn flags of face slots; null: all faces
     void show(const CMeshO &mesh, const std::vector<vcg::Color4b> &color, const std::vector<char> *isIn = nullptr);
-    /// The same over given triangles. \param slot vertices \param color one for each \param element three corners per
-    /// triangle, indices into \p slot
+    /// The same over given triangles. \param slot vertices \param color of each \param element corners, indices to \p
+    /// slot
     void show(const CMeshO &mesh, std::vector<std::uint32_t> slot, std::vector<vcg::Color4b> color,
               std::vector<std::uint32_t> element);
     void hide();
@@ -111,8 +110,7 @@ class LayerOverlay {
     bool isMoved = false, isChanged = false;
 };
 
-/// The elements of a layer's ghosts: its surface. For a cloud or a large surface: points, some of the vertices that
-/// move.
+/// The elements of a layer's ghosts: its surface; of a cloud or a large surface, some of the vertices that move.
 struct GhostParts {
     std::vector<std::uint32_t> slot;    ///< vertices
     std::vector<std::uint32_t> element; ///< three corners per triangle, indices into \p slot; empty: points are drawn
@@ -123,8 +121,7 @@ struct GhostParts {
     static GhostParts of(const vcg::fcd::SurfaceView &surface, const std::vector<int> &tags);
 };
 
-/// Another shape of a layer, pale and transparent, drawn behind the layer where both coincide. Its buffers are written
-/// when it changes.
+/// Another shape of a layer, pale and transparent, behind the layer where both coincide. Buffers are written on change.
 class LayerGhost {
   public:
     explicit LayerGhost(const vcg::Color4b &color) : color(color), elements(QOpenGLBuffer::IndexBuffer) {}

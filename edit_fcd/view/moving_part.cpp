@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "edit_fcd/view/layer_drawing.h"
 #include "edit_fcd/view/moving_part.h"
 #include "edit_fcd/view/trace.h"
 

@@ -55,8 +55,7 @@ class LayerPart {
 class MovingPart {
   public:
     /// Null if the host should draw the layer: it is small, mostly moves, has a look that LayerLook does not know, or
-    /// is shown in several views. \param tags one per vertex slot \param over colours as in LayerOverlay::show; empty:
-    /// none
+    /// is in several views. \param tags one per vertex slot \param over colours as in LayerOverlay::show; empty: none
     static std::unique_ptr<MovingPart> of(GLArea &view, const MeshModel &layer, const std::vector<int> &tags,
                                           std::vector<vcg::Color4b> over);
     MovingPart(const MovingPart &) = delete;

@@ -10,8 +10,7 @@
 #ifdef __GNUC__
 __attribute__((format(printf, 1, 2)))
 #endif
-/// Writes a line to the standard error, formatted as by std::printf, if FCD_TRACE is set in the environment. For tests
-/// that drive a tool by a script.
+/// Writes a line to the standard error, as std::printf, if FCD_TRACE is set, for tests that drive a tool by a script.
 inline void
 trace(const char *format, ...) {
     if (!std::getenv("FCD_TRACE"))

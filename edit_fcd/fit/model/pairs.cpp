@@ -58,8 +58,7 @@ double farFrom(const MeshModel &layer, const Point3m *rest, const QString &file)
     return points.empty() ? 0 : sum / double(points.size());
 }
 
-/// The names of the pairs of a file: of picked points, those of the first ends; in a list, what follows # in a pair's
-/// line, or empty.
+/// The names of the pairs of a file: of picked points, those of the first ends; in a list, what follows #, or empty.
 std::vector<std::string> namesIn(const QString &file, bool isOfPairs) {
     std::vector<std::string> names;
     if (isPicked(file)) {

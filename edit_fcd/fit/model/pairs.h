@@ -36,8 +36,7 @@ void setSource(std::vector<FitPair> &pairs, std::size_t pair, std::size_t slot);
 struct FitLines {
     std::string file;
     std::vector<vcg::fcd::CurvePair> curves;
-    std::vector<std::vector<std::size_t>>
-        nearest; ///< of each curve, of each corner on the source: slot of the nearest vertex
+    std::vector<std::vector<std::size_t>> nearest; ///< slot of the vertex nearest to each source corner of each curve
 };
 
 /// \param rest positions of vertex slots, at least one of them live \throw vcg::fcd::Error as ReadCurveFile

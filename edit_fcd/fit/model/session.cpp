@@ -2,7 +2,6 @@
 #include <vcg_ext/fit/fit_start.h> // before Qt
 
 #include "edit_fcd/fit/model/session.h"
-#include "edit_fcd/shape/layer_shape.h"
 
 #include <layer_fcd/kept_tool.h>
 #include <layer_fcd/layer_contents.h>
@@ -46,9 +45,9 @@ std::string FitSession::goOn(const FitSession *before) {
     if (fit == kept)
         return "";
     kept = fit;
-    const FitToolState told = fit ? *fit : FitToolState();
-    targetName = told.target;
-    const std::string wrong = takeTold(told);
+    const FitToolState stored = fit ? *fit : FitToolState();
+    targetName = stored.target;
+    const std::string wrong = takeStored(stored);
     if (const FitShape left = fitShownBy(layer); left != FitShape::Rest) {
         rest.keepPosed([this] { keepRest(); });
         change();
@@ -58,19 +57,19 @@ std::string FitSession::goOn(const FitSession *before) {
     return wrong;
 }
 
-std::string FitSession::takeTold(const FitToolState &taken) {
-    const bool hasCurves = taken.curves == (now.lines ? now.lines->file : "");
-    if (taken.pairs == now.pairs && taken.options == now.options && hasCurves)
+std::string FitSession::takeStored(const FitToolState &stored) {
+    const bool hasCurves = stored.curves == (now.lines ? now.lines->file : "");
+    if (stored.pairs == now.pairs && stored.options == now.options && hasCurves)
         return "";
     change();
-    setPairs(taken.pairs);
-    now.options = taken.options;
+    setPairs(stored.pairs);
+    now.options = stored.options;
     if (hasCurves)
         return "";
     now.lines = nullptr;
     try {
-        if (!taken.curves.empty())
-            now.lines = loadLines(layer, rest.positions().data(), taken.curves);
+        if (!stored.curves.empty())
+            now.lines = loadLines(layer, rest.positions().data(), stored.curves);
     } catch (const Error &e) {
         return e.what();
     }
@@ -88,12 +87,12 @@ void FitSession::keep(const MeshModel *target) {
         next.shape = rest.known();
         next.matrix = layer.cm.Tr;
     }
-    const bool isTold = !next.pairs.empty() || next.isSet() || isLeft;
-    if (isTold && next.target.empty() && target) // the name, since numbers differ in other documents
+    const bool isAny = !next.pairs.empty() || next.isSet() || isLeft;
+    if (isAny && next.target.empty() && target) // the name, since numbers differ in other documents
         next.target = target->label().toStdString();
-    if (kept ? *kept == next : !isTold)
+    if (kept ? *kept == next : !isAny)
         return;
-    if (isTold)
+    if (isAny)
         LayerState::made(document, layer).fit = kept = std::make_shared<const FitToolState>(std::move(next));
     else if (LayerState *present = LayerState::of(layer))
         present->fit = kept = nullptr;

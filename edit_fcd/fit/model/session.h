@@ -29,9 +29,9 @@ struct FitState {
     FitShape shape = FitShape::Rest;
     std::size_t applies = 0; ///< number of applies in place since the session began
 
-    bool operator==(const FitState &other) const {
-        return pairs == other.pairs && options == other.options && lines == other.lines && painted == other.painted &&
-               shape == other.shape && applies == other.applies;
+    bool operator==(const FitState &o) const {
+        return pairs == o.pairs && options == o.options && lines == o.lines && painted == o.painted &&
+               shape == o.shape && applies == o.applies;
     }
 };
 
@@ -39,8 +39,7 @@ struct FitState {
 /// the target, which the layer shows until restore(). It knows neither mouse nor screen.
 class FitSession {
   public:
-    /// The present shape of \p layer becomes the rest shape. \throw vcg::fcd::Error invalid tags, or a matrix without
-    /// an inverse
+    /// The present shape becomes the rest shape. \throw vcg::fcd::Error invalid tags, or a matrix without an inverse
     FitSession(MeshDocument &document, MeshModel &layer);
     FitSession(const FitSession &) = delete;
     FitSession &operator=(const FitSession &) = delete;
@@ -49,10 +48,9 @@ class FitSession {
     bool isUpToDate() const { return rest.isAsKnown(); }
     const FitState &state() const { return now; }
     FitState &edit() { return now; } ///< change pairs with the functions of pairs.h, weights with those below
-    /// Takes over the state of an earlier session of the layer; if that had another rest shape, only its pairs. Then
-    /// takes what something else has stored with the layer: pairs, options, curves, and the shown fit. Undo first takes
-    /// back the fit, then the others. \param before may be null \return an error in the file of curves, which are left
-    /// out then; or empty
+    /// Takes over the state of an earlier session of the layer; only its pairs if that had another rest shape. Then
+    /// takes what else was stored with the layer: pairs, options, curves, and the shown fit. Undo first takes back the
+    /// fit, then the others. \param before may be null \return why the file of curves is left out; or empty
     std::string goOn(const FitSession *before);
     /// Stores pairs, options and curves with the layer, for later sessions and files; after leave() also the fit.
     /// \param target the shown one, or null
@@ -69,8 +67,8 @@ class FitSession {
 
     // --- painted weights; a stroke is one change ---
 
-    /// The weights of this layer's vertices, or of the target's, in a pull; empty: 1 everywhere. \throw vcg::fcd::Error
-    /// the layer lacks the chosen weights
+    /// The weights of this layer's vertices, or of the target's, in a pull; empty: 1. \throw vcg::fcd::Error it lacks
+    /// them
     FitWeights weightsOf(const MeshModel &of) const;
     /// Begins a stroke, from the present weights.
     void beginStroke(MeshModel &on);
@@ -133,7 +131,7 @@ class FitSession {
     void showPainted(const FitState &from);
     std::string filterCall(const MeshModel &target, bool graphLayers) const;
     void know(FitShape shape, bool full = false);
-    std::string takeTold(const FitToolState &told);
+    std::string takeStored(const FitToolState &stored);
 
     MeshDocument &document;
     MeshModel &layer;
