@@ -49,7 +49,7 @@ std::pair<std::vector<char>, bool> BendReach::tipsOfLimb(const Pieces &pieces, c
     std::vector<std::size_t> left = small;
     for (std::size_t k = ball.size(); k-- > 0 && !left.empty();) {
         const std::size_t own = pieces.area.size() + k;
-        for (const Index v : surface->graph.adjacency[ball[k]]) {
+        for (const Index v : graph().adjacency[ball[k]]) {
             const auto beside = std::size_t(v);
             if (pieces.of[beside] >= 0)
                 joined.Join(pieces.of[beside], Index(own));
@@ -155,24 +155,23 @@ double BendReach::radiusAt(std::size_t slot, double usual) {
 
 /// Sets shares, bends, axis and joint.
 void BendReach::findShares(BendExtent &made) const {
-    const vcg::fcd::Graph &graph = surface->graph;
     enum Part : char { Stays, Around, Beyond };
-    std::vector<char> part(std::size_t(graph.Size()), Stays);
+    std::vector<char> part(std::size_t(graph().Size()), Stays);
     for (const auto &[vertices, which] : {std::pair{&made.beyond, Beyond}, {&made.around, Around}})
         for (const std::size_t i : *vertices)
             if (surface->nodeOf[i] >= 0)
                 part[std::size_t(surface->nodeOf[i])] = which;
     std::vector<Index> edge; // nodes that stay, beside nodes around the handle
-    for (Index u = 0; u < graph.Size(); ++u)
+    for (Index u = 0; u < graph().Size(); ++u)
         if (part[std::size_t(u)] == Stays) {
-            const auto near = graph.adjacency[u];
+            const auto near = graph().adjacency[u];
             if (std::any_of(near.begin(), near.end(), [&](Index v) { return part[std::size_t(v)] == Around; }))
                 edge.push_back(u);
         }
     const double radius = made.radius / surface->frame.scale, strip = (1 - coreSize) * radius;
     std::vector<float> share(part.size(), 1);
     std::vector<double> distances;
-    const std::vector<Index> near = vcg::fcd::NodesWithin(graph, edge, strip, vcg::fcd::Ways::Surface, &distances);
+    const std::vector<Index> near = vcg::fcd::NodesWithin(graph(), edge, strip, vcg::fcd::Ways::Surface, &distances);
     Eigen::Vector4d outer = Eigen::Vector4d::Zero(), inner = outer; // sum of area times place, and of area
     Eigen::Vector3d place = Eigen::Vector3d::Zero();
     for (std::size_t k = 0; k < near.size(); ++k) {
@@ -181,14 +180,14 @@ void BendReach::findShares(BendExtent &made) const {
             continue;
         share[u] = float(distances[k] / strip);
         (share[u] < 0.5f ? outer : inner) +=
-            double(surface->nodeArea[u]) * graph.position.col(near[k]).cast<double>().homogeneous();
+            double(surface->nodeArea[u]) * graph().position.col(near[k]).cast<double>().homogeneous();
     }
     made.share.clear();
     for (const std::size_t i : made.around)
         made.share.push_back(share[std::size_t(surface->nodeOf[i])]);
     for (const std::size_t i : made.vertices)
         if (surface->nodeOf[i] >= 0)
-            place += graph.position.col(surface->nodeOf[i]).cast<double>() / double(made.vertices.size());
+            place += graph().position.col(surface->nodeOf[i]).cast<double>() / double(made.vertices.size());
     const Eigen::Vector4d all = outer + inner;
     if (!(all[3] > 0))
         return;
@@ -242,7 +241,6 @@ double BendReach::closingRadius(std::size_t slot, double usual) {
 }
 
 double BendReach::findClosingRadius(std::size_t slot, double usual) {
-    const vcg::fcd::Graph &graph = surface->graph;
     std::vector<double> distances;
     const std::vector<Index> ball = nodesWithin({slot}, (1 + lengthOfGirth) * usual, &distances);
     const Pieces beside = piecesBeside(isAmong(ball));
@@ -274,7 +272,7 @@ double BendReach::findClosingRadius(std::size_t slot, double usual) {
     for (std::size_t k = ball.size(); k-- > 0;) {
         std::size_t own = pieces + k;
         part[own] = {distances[k], surface->nodeArea[std::size_t(ball[k])], false};
-        for (const Index v : graph.adjacency[ball[k]]) {
+        for (const Index v : graph().adjacency[ball[k]]) {
             const int number = beside.of[std::size_t(v)];
             const std::size_t place = placeOf[std::size_t(v)];
             if (number < 0 && (place == none || place < k))

@@ -54,8 +54,7 @@ const double leastBend = 18, restOfBend = 0.7;
 // cube has 0.75 of it, the tip of a cone with an angle of 80 degrees 0.64.
 const double leastFlatEnd = 0.65;
 
-// Least distance of its joint from the surface, over the radius: 0 at a corner of a sheet, 0.25 in a limb half as
-// thick.
+// Least distance of its joint from the surface, over the radius: 0 at a sheet's corner, 0.25 in a limb half as thick.
 const double leastInside = 0.125;
 
 const double nearestEnd = 4; // an end is farther from the center than all within that fraction of the usual radius
@@ -68,7 +67,7 @@ std::optional<std::size_t> BendReach::rootOfLimb(std::size_t slot, double usual,
     // Near the end of a limb, nothing lies beyond the vertex. Then it may lie beyond another one, towards the body.
     std::vector<double> distances;
     const std::vector<Index> ball = nodesWithin({slot}, usual, &distances);
-    const auto placeOf = [&](Index u) { return surface->graph.position.col(u); };
+    const auto placeOf = [&](Index u) { return graph().position.col(u); };
     const auto isNearer = [&](Index u, Index v) {
         return (placeOf(u) - placeOf(ball.back())).squaredNorm() < (placeOf(v) - placeOf(ball.back())).squaredNorm();
     };
@@ -124,8 +123,8 @@ double BendReach::radiusAtEnd(std::size_t slot, double usual) {
     const double unit = usual / surface->frame.scale, ring = unit / ringsOfRadius;
     double all = 0, outer = 0;
     for (std::size_t k = 0; k < ball.size(); ++k) {
-        for (const Index v : surface->graph.adjacency[ball[k]])
-            if (double((surface->graph.position.col(v) - surface->graph.position.col(ball[k])).norm()) > ring)
+        for (const Index v : graph().adjacency[ball[k]])
+            if (double((graph().position.col(v) - graph().position.col(ball[k])).norm()) > ring)
                 return 0; // the areas of nodes tell nothing here
         const double area = surface->nodeArea[std::size_t(ball[k])];
         all += area;
@@ -144,19 +143,18 @@ bool BendReach::isRoundEnd(std::size_t slot, const Pointed &at) {
     const auto joint = whole({slot}, at.usual, at.hair)->joint;
     const Eigen::Vector3d inside = surface->frame.ToFrame(joint.value_or(Eigen::Vector3d::Zero()));
     return joint && std::all_of(ball.begin(), ball.end(), [&](Index u) {
-               return (surface->graph.position.col(u).cast<double>() - inside).norm() > leastInside * unit;
+               return (graph().position.col(u).cast<double>() - inside).norm() > leastInside * unit;
            });
 }
 
 /// The end of a limb that is too short to have anything beyond a handle, if the vertex turns with it: the vertex around
 /// that is farthest from the center of the body, or else one of its own part.
 std::optional<std::size_t> BendReach::endOfShortLimb(const Pointed &at) {
-    const vcg::fcd::Graph &graph = surface->graph;
     const auto farthest = [&](std::size_t from, double radius) {
         const std::vector<Index> ball = nodesWithin({from}, radius);
         return slotOf(*std::max_element(ball.begin(), ball.end(), [&](Index u, Index v) {
-            return (graph.position.col(u) - middleOfAll).squaredNorm() <
-                   (graph.position.col(v) - middleOfAll).squaredNorm();
+            return (graph().position.col(u) - middleOfAll).squaredNorm() <
+                   (graph().position.col(v) - middleOfAll).squaredNorm();
         }));
     };
     const auto isEnd = [&](std::size_t slot) {
@@ -234,7 +232,7 @@ static std::optional<std::size_t> jointBetween(std::size_t start, std::size_t en
 
 /// The nodes of a part, nearest to one of them first, up to the last that lies beyond a handle; none if nothing does.
 std::vector<Index> BendReach::upToTip(Index from, const BendExtent &grip) const {
-    std::vector<char> isBeyond(std::size_t(surface->graph.Size()), 0);
+    std::vector<char> isBeyond(std::size_t(graph().Size()), 0);
     for (const std::size_t i : grip.beyond)
         if (const Index u = surface->nodeOf[i]; u >= 0 && partOf[std::size_t(u)] == partOf[std::size_t(from)])
             isBeyond[std::size_t(u)] = 1;
@@ -255,7 +253,7 @@ struct BendReach::Sections {
 /// Those up to a node, and on to the first that is no limb's. \param length of each \param most area of a limb
 BendReach::Sections BendReach::sectionsFrom(Index tip, Index upTo, double length, float most) const {
     const std::size_t none = std::numeric_limits<std::size_t>::max();
-    Sections sections{std::vector<std::size_t>(std::size_t(surface->graph.Size()), none), {}, {}};
+    Sections sections{std::vector<std::size_t>(std::size_t(graph().Size()), none), {}, {}};
     float met = 0;
     std::size_t last = none;
     walk(tip, [&](Index u, double far) {
@@ -264,7 +262,7 @@ BendReach::Sections BendReach::sectionsFrom(Index tip, Index upTo, double length
         sections.area.resize(std::max(sections.area.size(), at + 1), 0);
         sections.area[at] += area;
         sections.sum.resize(sections.area.size(), Eigen::Vector4d::Zero());
-        sections.sum[at] += double(area) * surface->graph.position.col(u).cast<double>().homogeneous();
+        sections.sum[at] += double(area) * graph().position.col(u).cast<double>().homogeneous();
         met += area;
         if (met > most && sections.of[std::size_t(upTo)] != none)
             last = std::min(last, at + 1); // the next one is for the mean

@@ -21,9 +21,9 @@ const Index middleNodes = 60000;
 // Radius of the part that keeps its nodes, over the diagonal: a figure's hand is so long.
 const float nearPlace = 0.075f;
 
-void BendReach::begin() {
+bool BendReach::begin() {
     if (surface || pending.valid())
-        return;
+        return isRead();
     const auto [arrays, metric] = source();
     pending = std::async(std::launch::async, [arrays = arrays, metric = metric] {
         auto read =
@@ -31,6 +31,7 @@ void BendReach::begin() {
         auto middle = coarseOf(*read, middleNodes);
         return Surfaces{std::move(read), std::move(middle), std::make_unique<VertexFaces>(arrays)};
     });
+    return isRead();
 }
 
 bool BendReach::isRead() const {
@@ -45,15 +46,15 @@ const VertexFaces *BendReach::faces() {
 
 void BendReach::lookAt(std::size_t slot) {
     wait();
-    const vcg::fcd::Graph &graph = surface->graph;
     const Index own = surface->nodeOf[slot];
-    if (graph.Size() <= glanceNodes || own < 0)
+    if (graph().Size() <= glanceNodes || own < 0)
         return;
-    const Eigen::Vector3f at = graph.position.col(own);
+    const Eigen::Vector3f at = graph().position.col(own);
     if (coarse && (at - detail.middle).norm() < detail.radius / 2)
         return;
     if (!coarse)
-        detail.radius = nearPlace * (graph.position.rowwise().maxCoeff() - graph.position.rowwise().minCoeff()).norm();
+        detail.radius =
+            nearPlace * (graph().position.rowwise().maxCoeff() - graph().position.rowwise().minCoeff()).norm();
     detail.middle = at;
     auto made = coarseOf(middle ? *middle : *surface, glanceNodes, detail);
     coarse.reset();
@@ -97,12 +98,12 @@ std::size_t BendReach::slotOf(Index node) const { return slotBy[beginOf[std::siz
 /// All nodes connected with one, nearest first, as long as goesOn(node, distance).
 std::vector<Index> BendReach::walk(Index from, const std::function<bool(Index, double)> &goesOn) const {
     const double all = std::numeric_limits<double>::infinity();
-    return vcg::fcd::NodesWithin(surface->graph, {from}, all, vcg::fcd::Ways::Surface, nullptr, goesOn);
+    return vcg::fcd::NodesWithin(graph(), {from}, all, vcg::fcd::Ways::Surface, nullptr, goesOn);
 }
 
 /// Flags of nodes.
 std::vector<char> BendReach::isAmong(const std::vector<Index> &nodes) const {
-    std::vector<char> isNodeIn(std::size_t(surface->graph.Size()), 0);
+    std::vector<char> isNodeIn(std::size_t(graph().Size()), 0);
     for (const Index u : nodes)
         isNodeIn[std::size_t(u)] = 1;
     return isNodeIn;
@@ -110,7 +111,7 @@ std::vector<char> BendReach::isAmong(const std::vector<Index> &nodes) const {
 
 /// Flags of nodes with one of the vertices.
 std::vector<char> BendReach::nodesOf(const std::vector<char> &isIn) const {
-    std::vector<char> isNodeIn(std::size_t(surface->graph.Size()), 0);
+    std::vector<char> isNodeIn(std::size_t(graph().Size()), 0);
     for (std::size_t i = 0; i < isIn.size(); ++i)
         if (isIn[i] && surface->nodeOf[i] >= 0)
             isNodeIn[std::size_t(surface->nodeOf[i])] = 1;
@@ -127,8 +128,8 @@ std::vector<Index> BendReach::nodesWithin(const std::vector<std::size_t> &vertic
         return each.radius >= sought.radius && each.middle == sought.middle;
     });
     if (found == balls.end()) {
-        sought.nodes = vcg::fcd::NodesWithin(surface->graph, sought.middle, sought.radius, vcg::fcd::Ways::Surface,
-                                             &sought.distances);
+        sought.nodes =
+            vcg::fcd::NodesWithin(graph(), sought.middle, sought.radius, vcg::fcd::Ways::Surface, &sought.distances);
         if (balls.size() >= mostBalls)
             balls.pop_back();
         found = balls.insert(balls.end(), std::move(sought));
@@ -179,7 +180,7 @@ std::vector<std::size_t> BendReach::piece(std::size_t slot, const std::vector<ch
     const std::vector<char> isNodeIn = nodesOf(isIn);
     const int met = 2;
     std::vector<int> label(isNodeIn.begin(), isNodeIn.end());
-    relabel(surface->graph, first, met, label);
+    relabel(graph(), first, met, label);
     std::vector<std::size_t> all;
     for (std::size_t i = 0; i < isIn.size(); ++i)
         if (isIn[i] && surface->nodeOf[i] >= 0 && label[std::size_t(surface->nodeOf[i])] == met)
@@ -200,8 +201,7 @@ void BendReach::wait() {
 void BendReach::take(std::unique_ptr<vcg::fcd::SurfaceGraph> read) {
     surface = std::move(read);
     const int unknown = -1;
-    const vcg::fcd::Graph &graph = surface->graph;
-    beginOf.assign(std::size_t(graph.Size()) + 1, 0);
+    beginOf.assign(std::size_t(graph().Size()) + 1, 0);
     for (const Index u : surface->nodeOf)
         if (u >= 0)
             ++beginOf[std::size_t(u) + 1];
@@ -211,20 +211,19 @@ void BendReach::take(std::unique_ptr<vcg::fcd::SurfaceGraph> read) {
     for (std::size_t i = 0; i < surface->nodeOf.size(); ++i)
         if (surface->nodeOf[i] >= 0)
             slotBy[next[std::size_t(surface->nodeOf[i])]++] = std::uint32_t(i);
-    partOf.assign(std::size_t(graph.Size()), unknown);
+    partOf.assign(std::size_t(graph().Size()), unknown);
     partArea.clear();
-    for (Index u = 0; u < graph.Size(); ++u)
+    for (Index u = 0; u < graph().Size(); ++u)
         if (partOf[std::size_t(u)] == unknown)
-            partArea.push_back(areaOf<float>(relabel(graph, u, int(partArea.size()), partOf)));
+            partArea.push_back(areaOf<float>(relabel(graph(), u, int(partArea.size()), partOf)));
     areaOfAll = std::accumulate(partArea.begin(), partArea.end(), 0.f);
     middleOfAll.setZero();
-    for (Index u = 0; u < graph.Size(); ++u)
-        middleOfAll += surface->nodeArea[std::size_t(u)] * graph.position.col(u) / areaOfAll;
+    for (Index u = 0; u < graph().Size(); ++u)
+        middleOfAll += surface->nodeArea[std::size_t(u)] * graph().position.col(u) / areaOfAll;
 }
 
 std::size_t BendReach::carrierOf(std::size_t slot, double hair) {
     wait();
-    const vcg::fcd::Graph &graph = surface->graph;
     const Index own = surface->nodeOf[slot];
     if (own < 0)
         return slot;
@@ -232,8 +231,8 @@ std::size_t BendReach::carrierOf(std::size_t slot, double hair) {
     const double most = hair / surface->frame.scale;
     double least = most;
     Index nearest = -1;
-    for (Index u = 0; u < graph.Size(); ++u) {
-        const double distance = double((graph.position.col(u) - graph.position.col(own)).norm());
+    for (Index u = 0; u < graph().Size(); ++u) {
+        const double distance = double((graph().position.col(u) - graph().position.col(own)).norm());
         if (distance > 2 * most && part(u) == part(own))
             return slot;
         if (distance < least && partArea[part(own)] < largestTip * partArea[part(u)]) {
@@ -251,11 +250,10 @@ std::vector<std::size_t> BendReach::looseAmong(const std::vector<char> &isIn, do
 
 /// looseAmong() for nodes. \param isNodeIn flags of the set
 std::vector<char> BendReach::looseNodes(const std::vector<char> &isNodeIn, double hair) const {
-    const vcg::fcd::Graph &graph = surface->graph;
     const auto cell = float(hair / surface->frame.scale);
     using Cell = std::array<int, 3>;
     const auto cellOf = [&](Index u) {
-        const Eigen::Vector3i at = (graph.position.col(u) / cell).array().floor().cast<int>();
+        const Eigen::Vector3i at = (graph().position.col(u) / cell).array().floor().cast<int>();
         return Cell{at[0], at[1], at[2]};
     };
     std::vector<char> all(isNodeIn.size(), 0);
@@ -264,12 +262,12 @@ std::vector<char> BendReach::looseNodes(const std::vector<char> &isNodeIn, doubl
     Cell last{};
     float areaIn = 0;
     std::vector<char> isConnected(partArea.size(), 0);
-    for (Index u = 0; u < graph.Size(); ++u) {
+    for (Index u = 0; u < graph().Size(); ++u) {
         if (!isNodeIn[std::size_t(u)])
             continue;
         isConnected[std::size_t(partOf[std::size_t(u)])] = 1;
         areaIn += surface->nodeArea[std::size_t(u)];
-        box.extend(Eigen::Vector3f(graph.position.col(u)));
+        box.extend(Eigen::Vector3f(graph().position.col(u)));
         if (!met.empty() && cellOf(u) == last)
             continue;
         last = cellOf(u);
@@ -282,11 +280,11 @@ std::vector<char> BendReach::looseNodes(const std::vector<char> &isNodeIn, doubl
         return all;
     box = {box.min() - Eigen::Vector3f::Constant(cell), box.max() + Eigen::Vector3f::Constant(cell)};
     std::vector<char> isWithin(partArea.size(), 1), isNear(partArea.size(), 0);
-    for (Index u = 0; u < graph.Size(); ++u) {
+    for (Index u = 0; u < graph().Size(); ++u) {
         const auto part = std::size_t(partOf[std::size_t(u)]);
         if (isConnected[part] || !isWithin[part])
             continue;
-        isWithin[part] = box.contains(Eigen::Vector3f(graph.position.col(u)));
+        isWithin[part] = box.contains(Eigen::Vector3f(graph().position.col(u)));
         isNear[part] = isNear[part] || (isWithin[part] && near.count(cellOf(u)) > 0);
     }
     for (std::size_t u = 0; u < all.size(); ++u) {
@@ -300,7 +298,6 @@ bool BendReach::Pieces::isTip(std::size_t piece) const { return area[piece] < la
 
 /// The pieces beside a set of nodes.
 BendReach::Pieces BendReach::piecesBeside(const std::vector<char> &isIn) const {
-    const vcg::fcd::Graph &graph = surface->graph;
     const int unknown = -1, cut = -2;
     Pieces pieces;
     pieces.of.assign(isIn.size(), unknown);
@@ -310,11 +307,11 @@ BendReach::Pieces BendReach::piecesBeside(const std::vector<char> &isIn) const {
     for (std::size_t u = 0; u < isIn.size(); ++u) {
         if (!isIn[u])
             continue;
-        for (const Index first : graph.adjacency[Index(u)]) {
+        for (const Index first : graph().adjacency[Index(u)]) {
             if (pieces.of[std::size_t(first)] != unknown)
                 continue;
             const int which = int(pieces.area.size());
-            pieces.area.push_back(areaOf<float>(relabel(graph, first, which, pieces.of)));
+            pieces.area.push_back(areaOf<float>(relabel(graph(), first, which, pieces.of)));
         }
     }
     pieces.largest = std::size_t(std::max_element(pieces.area.begin(), pieces.area.end()) - pieces.area.begin());

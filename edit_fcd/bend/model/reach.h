@@ -91,8 +91,8 @@ class BendReach {
     /// \param source called when the surface is first needed
     explicit BendReach(Source source) : source(std::move(source)) {}
 
-    /// Begins to read the surface at rest in the background. All questions below wait for it.
-    void begin();
+    /// Begins to read the surface at rest in the background. All questions below wait for it. \return none would wait
+    bool begin();
     void clear() { *this = BendReach(std::move(source)); }
     bool isRead() const; ///< no question would wait
     /// Gives glance() all detail near a vertex, where it would miss a finger. Takes some milliseconds.
@@ -180,6 +180,7 @@ class BendReach {
     std::pair<std::vector<char>, bool> tipsOfLimb(const Pieces &pieces, const std::vector<vcg::fcd::Index> &ball,
                                                   const std::vector<double> &distances) const;
     void findShares(BendExtent &made) const;
+    const vcg::fcd::Graph &graph() const { return surface->graph; }
     std::size_t slotOf(vcg::fcd::Index node) const;
     std::vector<vcg::fcd::Index> walk(vcg::fcd::Index from,
                                       const std::function<bool(vcg::fcd::Index, double)> &goesOn) const;

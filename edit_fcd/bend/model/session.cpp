@@ -154,11 +154,6 @@ void BendSession::cancel() {
 
 // --- what the layer keeps of a session, for later sessions and files ---
 
-static bool haveSame(const std::shared_ptr<const BendTags> &a, const std::shared_ptr<const BendTags> &b,
-                     const std::vector<std::size_t> &live) {
-    return a && b ? std::all_of(live.begin(), live.end(), [&](std::size_t i) { return (*a)[i] == (*b)[i]; }) : !a && !b;
-}
-
 /// The tags of a layer, null if there are none. A quality that is no valid tags counts as none.
 std::shared_ptr<const BendTags> BendSession::marksNow(const MeshModel &layer) {
     HandleParam param;
@@ -188,8 +183,10 @@ bool BendSession::goOn() {
         known.poses = std::make_shared<const vcg::fcd::PoseSequence>(std::move(*poses));
     const bool hasWeights = known.weights.empty() || (known.poses && known.weights.size() == known.poses->pose.size());
     const auto isOnFree = [&s = known](const auto &each) { return isFree(s, each.second.slot); };
-    if (!hasWeights || !haveSame(known.marks, state().marks, live) ||
-        !std::all_of(known.points.begin(), known.points.end(), isOnFree))
+    const auto isSame = [&a = known.marks, &b = state().marks](std::size_t i) { return (*a)[i] == (*b)[i]; };
+    const bool areSame =
+        known.marks && state().marks ? std::all_of(live.begin(), live.end(), isSame) : !known.marks && !state().marks;
+    if (!hasWeights || !areSame || !std::all_of(known.points.begin(), known.points.end(), isOnFree))
         throw Error("The handles that the layer " + inQuotes(layer) +
                     " keeps do not fit its marks, or its poses: bends begin from the shape that it has now.");
     if (tool->isPosed)

@@ -64,9 +64,8 @@ class BendSession {
     /// The free or held vertex nearest to \p place in the pose, and how far it is. \return none in an empty layer
     std::optional<std::size_t> nearest(const Eigen::Vector3d &place, double &distance) const;
 
-    /// Begins to read the surface for handles, in the background.
-    void readAhead() { reach.begin(); }
-    bool isRead() const { return reach.isRead(); }
+    /// Begins to read the surface for handles, in the background. \return whether it is read
+    bool readAhead() { return reach.begin(); }
     /// The faces of each vertex, null while the surface is being read.
     const VertexFaces *faces() { return reach.faces(); }
     /// A preview of the extent of a new handle at a vertex, or of a handle, on the coarse surface. Null while the
@@ -227,6 +226,7 @@ class BendSession {
 
     static std::shared_ptr<const BendTags> marksNow(const MeshModel &layer);
     void keepRest();
+    double hair() const { return usualGap(rest.diagonal()); } ///< how near tiny parts are to what carries them
     void updateTags();
     void changeTags();
     void changeTagsOf(int tag);

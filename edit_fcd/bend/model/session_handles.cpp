@@ -16,7 +16,7 @@ using vcg::fcd::PoseSequence;
 const double thinLimb = 0.5;
 
 int BendSession::addPoint(std::size_t slot, double usual) {
-    if (const std::size_t carrier = reach.carrierOf(slot, usualGap(rest.diagonal())); canBecomePoint(data, carrier))
+    if (const std::size_t carrier = reach.carrierOf(slot, hair()); canBecomePoint(data, carrier))
         slot = carrier;
     return addAt(slot, reach.radiusAt(slot, usual));
 }
@@ -39,8 +39,7 @@ int BendSession::addAt(std::size_t slot, double radius) {
 }
 
 std::shared_ptr<const BendExtent> BendSession::glimpse(std::size_t slot, double usual) {
-    reach.begin();
-    if (!reach.isRead())
+    if (!reach.begin())
         return nullptr;
     reach.lookAt(slot);
     return glimpseAt(slot, usual);
@@ -48,26 +47,24 @@ std::shared_ptr<const BendExtent> BendSession::glimpse(std::size_t slot, double 
 
 /// The same by what was looked at last.
 std::shared_ptr<const BendExtent> BendSession::glimpseAt(std::size_t slot, double usual) {
-    const double hair = usualGap(rest.diagonal());
     BendReach &glance = reach.glance();
-    if (const std::size_t carrier = glance.carrierOf(slot, hair); canBecomePoint(data, carrier))
+    if (const std::size_t carrier = glance.carrierOf(slot, hair()); canBecomePoint(data, carrier))
         slot = carrier;
-    return glance.whole({slot}, glance.radiusAt(slot, usual), hair);
+    return glance.whole({slot}, glance.radiusAt(slot, usual), hair());
 }
 
 std::shared_ptr<const BendExtent> BendSession::glimpseOf(int tag) {
     const auto point = state().points.find(tag);
-    reach.begin();
-    return point == state().points.end() || !reach.isRead()
+    return !reach.begin() || point == state().points.end()
                ? nullptr
-               : reach.glance().whole({point->second.slot}, point->second.radius, usualGap(rest.diagonal()));
+               : reach.glance().whole({point->second.slot}, point->second.radius, hair());
 }
 
 std::shared_ptr<const BendExtent> BendSession::glimpseTwin(int tag, const BendExtent &own) {
     if (tag)
         return glimpseOf(mirrored(data, tag));
     const auto slot = twinSlot(own.vertices.front());
-    return slot ? reach.glance().whole({*slot}, own.radius, usualGap(rest.diagonal())) : nullptr;
+    return slot ? reach.glance().whole({*slot}, own.radius, hair()) : nullptr;
 }
 
 void BendSession::makeGrip(int tag) {
@@ -101,9 +98,8 @@ int BendSession::turnedLimb(std::size_t slot) const {
 /// The vertex for a new handle of a vertex's limb; none if it is on no limb.
 std::optional<std::size_t> BendSession::newLimb(std::size_t slot, double usual, int nearer) {
     BendReach &glance = reach.glance();
-    const double hair = usualGap(rest.diagonal());
-    const std::size_t carrier = glance.carrierOf(slot, hair);
-    const std::optional<std::size_t> root = glance.rootOfLimb(carrier, usual, hair, nearer);
+    const std::size_t carrier = glance.carrierOf(slot, hair());
+    const std::optional<std::size_t> root = glance.rootOfLimb(carrier, usual, hair(), nearer);
     if (root && !canBecomePoint(data, *root))
         return canBecomePoint(data, carrier) ? std::optional(carrier) : std::nullopt;
     return root;
@@ -138,8 +134,7 @@ std::pair<int, std::shared_ptr<const BendExtent>> BendSession::glimpseLimb(int t
                                                                            double usual) {
     if (const auto point = state().points.find(tag); point != state().points.end())
         slot = point->second.slot;
-    reach.begin();
-    if (!slot || !reach.isRead())
+    if (!reach.begin() || !slot)
         return {0, nullptr};
     const auto [found, root] = limbOf(*slot, usual, 0);
     return {found, found ? glimpseOf(found) : root ? glimpseAt(*root, usual) : nullptr};
@@ -195,7 +190,7 @@ Eigen::Vector3d BendSession::seenAt(const Eigen::Vector3d &place, std::size_t sl
 }
 
 BendSession::Turned BendSession::turnedBy(BendReach &from, const BendStroke &stroke, double usual) const {
-    const auto [extent, isLimb] = from.beyond(stroke.from, stroke.to, usual, usualGap(rest.diagonal()));
+    const auto [extent, isLimb] = from.beyond(stroke.from, stroke.to, usual, hair());
     const std::size_t slot = extent ? extent->vertices.front() : 0;
     const bool isNew = extent && canBecomePoint(data, slot);
     const int tag = isNew ? 0 : tags()[slot];
@@ -205,8 +200,7 @@ BendSession::Turned BendSession::turnedBy(BendReach &from, const BendStroke &str
 }
 
 BendSession::Turned BendSession::glimpseStroke(const BendStroke &stroke, double usual) {
-    reach.begin();
-    if (!reach.isRead())
+    if (!reach.begin())
         return {};
     reach.lookAt(stroke.from);
     return turnedBy(reach.glance(), stroke, usual);

@@ -22,14 +22,11 @@ const int roundsToJoint = 3; // then the joint is off by a tenth of the thicknes
 /// The node at distance \p ahead from another one, on the way to an end, or beyond that. \param left distance of each
 /// node from the end \return -1: the surface ends before
 Index BendReach::along(Index from, double ahead, const std::vector<double> &left) const {
-    const vcg::fcd::Graph &graph = surface->graph;
-    const std::vector<Index> ball = vcg::fcd::NodesWithin(graph, {from}, ahead, vcg::fcd::Ways::Surface);
-    std::vector<char> isIn(left.size(), 0);
-    for (const Index u : ball)
-        isIn[std::size_t(u)] = 1;
+    const std::vector<Index> ball = vcg::fcd::NodesWithin(graph(), {from}, ahead, vcg::fcd::Ways::Surface);
+    const std::vector<char> isIn = isAmong(ball);
     Index found = -1;
     for (const Index u : ball) {
-        const auto near = graph.adjacency[u];
+        const auto near = graph().adjacency[u];
         const bool isEdge = std::any_of(near.begin(), near.end(), [&](Index v) { return !isIn[std::size_t(v)]; });
         if (isEdge && (found < 0 || left[std::size_t(u)] < left[std::size_t(found)]))
             found = u;
@@ -45,18 +42,18 @@ std::pair<std::shared_ptr<const BendExtent>, bool> BendReach::beyond(std::size_t
     to = carrierOf(to, hair);
     const Index first = surface->nodeOf[from], last = surface->nodeOf[to];
     const double scale = surface->frame.scale, none = std::numeric_limits<double>::infinity();
-    std::vector<double> left(std::size_t(surface->graph.Size()), none), distances;
+    std::vector<double> left(std::size_t(graph().Size()), none), distances;
     if (first < 0 || last < 0)
         return {};
     const std::vector<Index> fromEnd =
-        vcg::fcd::NodesWithin(surface->graph, {last}, none, vcg::fcd::Ways::Surface, &distances);
+        vcg::fcd::NodesWithin(graph(), {last}, none, vcg::fcd::Ways::Surface, &distances);
     for (std::size_t k = 0; k < fromEnd.size(); ++k)
         left[std::size_t(fromEnd[k])] = distances[k];
     const double length = scale * left[std::size_t(first)], least = radiusAt(from, usual);
     if (length == 0 || length == none)
         return {};
     const bool isLimb = closingRadius(from, usual) > 0; // then the radius is twice its thickness
-    const auto placeOf = [&](Index u) { return surface->graph.position.col(u).cast<double>(); };
+    const auto placeOf = [&](Index u) { return graph().position.col(u).cast<double>(); };
     std::shared_ptr<const BendExtent> found;
     double radius = isLimb ? least : none;
     while (!found && radius <= widest * least) {

@@ -185,8 +185,7 @@ void BendTool::foresee() {
     isForeseeing = isReading = false;
     if (!layer() || going || preparing || !panel->isBending() || isSuspended || isHidden())
         return;
-    session->readAhead();
-    isReading = !session->isRead() && (foreseen.tag || foreseen.slot) && isForLimb(foreseen);
+    isReading = !session->readAhead() && (foreseen.tag || foreseen.slot) && isForLimb(foreseen);
     if (isReading) {
         isForeseeing = true;
         later([this] { foresee(); }, 50);
