@@ -214,8 +214,7 @@ void followLayers(const Guard &guard, QWidget &content, MeshDocument &document) 
                });
 }
 
-/// Makes the button Default open the dialog anew with the defaults. (The host's restores its first values, remembered
-/// ones.)
+/// Makes the button Default open the dialog with defaults. (The host's restores its first, remembered, values.)
 void letDefaultBeDefaults(const Guard &guard, QWidget &content, const std::function<void()> &openWithDefaults) {
     for (QPushButton *button : content.findChildren<QPushButton *>())
         if (button->text() == "Default")

@@ -295,15 +295,14 @@ std::optional<vcg::Color4b> KeptVertices::color(std::size_t i) const {
         isMixed = now[k] >= scan.lowColor[k] && now[k] <= scan.highColor[k];
     if (!isMixed)
         return {};
+    const std::vector<Near> near = nearTo(i);
+    if (near.empty())
+        return {};
     Eigen::Vector4d mean = Eigen::Vector4d::Zero();
-    double sum = 0;
-    for (const Near &each : nearTo(i)) {
+    for (const Near &each : near) {
         const vcg::Color4b &c = scan.colors[each.kept];
         mean += each.weight * Eigen::Vector4d(c[0], c[1], c[2], c[3]);
-        sum += each.weight;
     }
-    if (sum == 0)
-        return {};
     vcg::Color4b color;
     for (int k = 0; k < 4; ++k)
         color[k] = (unsigned char)std::lround(mean[k]);
@@ -316,10 +315,11 @@ std::optional<CVertexO::QualityType> KeptVertices::quality(std::size_t i) const 
     const double now = double(mesh.vert[i].cQ());
     if (!scan.quality || !areTags || isOld(i) || !tree || now < scan.lowTag || now > scan.highTag)
         return {};
-    double mean = 0, sum = 0;
-    for (const Near &each : nearTo(i)) {
+    const std::vector<Near> near = nearTo(i);
+    if (near.empty())
+        return {};
+    double mean = 0;
+    for (const Near &each : near)
         mean += each.weight * double(scan.qualities[each.kept]);
-        sum += each.weight;
-    }
-    return sum == 0 ? std::nullopt : std::optional<CVertexO::QualityType>(CVertexO::QualityType(mean));
+    return CVertexO::QualityType(mean);
 }

@@ -100,8 +100,7 @@ void poseAs(const MeshDocument &document, MeshModel &layer, const PositionAt &po
     rest.knowNormals();
 }
 
-/// Gives \p layer the shape of a fit, with the bits of addFitted; its present one, which was fitted, becomes the rest
-/// shape.
+/// Gives \p layer a fit's shape, with the bits of addFitted; its present one, which was fitted, becomes the rest shape.
 void poseFitted(const MeshDocument &document, MeshModel &layer, const FittedSurface &fitted);
 
 #endif

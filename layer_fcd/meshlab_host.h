@@ -163,8 +163,7 @@ inline Matrix44m matrixParameter(const RichParameterList &list, const QString &n
 #endif
 }
 
-/// Whether a script may lack parameters, which have defaults then. Else filters get no new ones, so that old scripts
-/// run.
+/// Whether a script may lack parameters, which have defaults then. If not, filters get no new ones: old scripts run on.
 #ifdef FCD_MESHLAB_2020
 constexpr bool scriptsMayLackParameters = false;
 #else

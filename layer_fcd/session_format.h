@@ -186,8 +186,7 @@ KeptScan scanOf(const Reader &from, const LiveVertices &live, const Shape &shown
 
 QCborMap mapOf(const ToolState &tool);
 /// Reads the settings of FCD: Bend, without the shape; null if the session has none.
-/// \throw vcg::fcd::Error what is wrong with the file, or with the tool's text, with its line; or the layer has another
-/// matrix
+/// \throw vcg::fcd::Error what is wrong with the file, or with a line of the tool's text; or the layer's matrix differs
 std::shared_ptr<ToolState> toolOf(const Reader &from, const MeshModel &layer, const QString &file);
 
 /// The pairs of FCD: Fit; an end at a deleted vertex is left out.

@@ -33,8 +33,7 @@ class LayerTool : public HostEditTool {
     bool eventFilter(QObject *object, QEvent *event) final;
 
   protected:
-    // An exception in the host's event loop would end the program: connect slots by when(), do later work by later(),
-    // every().
+    // An exception in the host's event loop ends the program: connect by when(), and work later by later() or every().
 
     /// Connects \p signal of \p sender with \p slot.
     template <class Sender, class Signal, class Slot>

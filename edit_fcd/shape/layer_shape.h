@@ -26,8 +26,7 @@ class RestGuard {
     explicit RestGuard(MeshModel &layer);
     /// Makes the present shape of the layer the rest shape.
     void keep();
-    /// The same for a layer in a pose of its RestShape: calls \p keepRest, to call keep(), while it is at rest. \pre it
-    /// has one
+    /// The same for a layer in a pose of its RestShape: calls \p keepRest, for keep(), while it is at rest.
     void keepPosed(const std::function<void()> &keepRest);
 
     /// Whether the layer has as many vertices and faces as it had.

@@ -88,8 +88,7 @@ class LayerOverlay {
     /// Shows colours over the faces of a layer, or over its vertices if it has no faces. \param color one per vertex
     /// slot; alpha 0: nothing is shown there \param isIn flags of face slots; null: all faces
     void show(const CMeshO &mesh, const std::vector<vcg::Color4b> &color, const std::vector<char> *isIn = nullptr);
-    /// The same over given triangles. \param slot vertices \param color of each \param element corners, indices to \p
-    /// slot
+    /// The same over triangles. \param slot vertices \param color of each \param element corners, indices into \p slot
     void show(const CMeshO &mesh, std::vector<std::uint32_t> slot, std::vector<vcg::Color4b> color,
               std::vector<std::uint32_t> element);
     void hide();

@@ -6,8 +6,7 @@
 #include <optional>
 #include <vector>
 
-/// Maps times and frames of an animation to a bar, from the first key frame, frame 0, to the last. Positions are
-/// pixels.
+/// Maps times and frames of an animation to a bar from the first key frame, frame 0, to the last one; x in pixels.
 struct FrameScale {
     std::vector<double> key;    ///< times of the key frames, seconds, ascending
     double rate = 24;           ///< frames a second

@@ -9,8 +9,7 @@
 
 #include "edit_fcd/bend/panel/frame_scale.h"
 
-/// The key frames as marks on a bar, with numbers of frames. A press or drag shows a frame; with Shift, it moves a
-/// mark.
+/// The key frames as marks on a bar, with frame numbers. A press or a drag shows a frame; with Shift, it moves a mark.
 class BendTimeline : public QWidget {
     Q_OBJECT
 

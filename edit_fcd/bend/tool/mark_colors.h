@@ -29,8 +29,7 @@ class MarkColors {
     std::optional<Tint> tint(BendSession &session);
 
     using Extents = std::vector<std::shared_ptr<const BendExtent>>;
-    /// Sets the preview: extents of handles that would move, or none. \param extents may be null \return whether it
-    /// changed
+    /// Sets the preview: extents of handles that would move. \param extents may be null \return whether it changed
     bool preview(Extents extents);
 
   private:

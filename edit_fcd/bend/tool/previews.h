@@ -33,8 +33,7 @@ class BendLinePreview : public QObject {
     /// \param changed called in the window's thread when something was found; throws nothing
     explicit BendLinePreview(std::function<void()> changed) : changed(std::move(changed)) {}
 
-    /// Begins to find an unknown line of \p goal on the surface of \p layer. With one point or none, only prepares
-    /// that.
+    /// Begins to find an unknown line of \p goal on the surface of \p layer. With no two points, only prepares that.
     /// \param shape number that identifies the surface \throw vcg::fcd::Error as LineSurface
     void look(const MeshModel &layer, std::uint64_t shape, const vcg::fcd::LineGoal &goal,
               const vcg::fcd::StraightenParam &param);

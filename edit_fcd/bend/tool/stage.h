@@ -90,9 +90,8 @@ class BendStage : public LayerTool {
     void ended() { gone = std::move(going); } ///< keeps it alive: it is the caller
     const BendDrag *drag() const { return going ? going->drag() : nullptr; }
 
-    /// Does work on the session: at once, or, for a large layer, in the background. \param what the panel says
-    /// meanwhile \param stopped called, if not empty, instead of \p done after cancel or failure \param isLong not at
-    /// once
+    /// Does work on the session: at once, or, for a large layer, in the background. \param what text meanwhile \param
+    /// stopped called, if not empty, instead of \p done after cancel or failure \param isLong never at once
     void beside(const QString &what, const JobRunner::Work &work, std::function<void()> done,
                 std::function<void()> stopped = {}, bool isLong = false);
     /// Stops the work in the background, and takes it back.

@@ -67,8 +67,7 @@ class FitSession {
 
     // --- painted weights; a stroke is one change ---
 
-    /// The weights of this layer's vertices, or of the target's, in a pull; empty: 1. \throw vcg::fcd::Error it lacks
-    /// them
+    /// Weights of this layer's vertices, or the target's, in a pull; empty: 1. \throw vcg::fcd::Error it lacks them
     FitWeights weightsOf(const MeshModel &of) const;
     /// Begins a stroke, from the present weights.
     void beginStroke(MeshModel &on);
