@@ -17,9 +17,9 @@ struct ListColumn {
 
 struct ListCell {
     QString text{}, tip{};
-    std::optional<QString> typed{};  ///< the text in its editor; none: it cannot be edited
-    std::optional<bool> isChecked{}; ///< of its box; none: no box
-    QColor color{};                  ///< of a square before the text; invalid: none
+    std::optional<QString> typed = std::nullopt;  ///< the text in its editor; none: it cannot be edited
+    std::optional<bool> isChecked = std::nullopt; ///< of its box; none: no box
+    QColor color{};                               ///< of a square before the text; invalid: none
     bool isCentered = false;
 
     static ListCell edited(const QString &text) { return {text, {}, text}; }
