@@ -83,6 +83,7 @@ std::shared_ptr<const FitTarget> Fitter::Prepare(const FitGoal &goal, const Prog
         throw BadInput("All of the " + std::string(goal.name) +
                        " lies at one point or on one line, so it is no surface. Choose a surface, or points all over "
                        "one; give single points as landmarks.");
+    target->reachesFarther = goal.reachesFarther;
     target->curves = goal.curves;
     const Eigen::Affine3d toFrame = ToFrame(Eigen::Affine3d::Identity());
     for (Curve &curve : target->curves) {

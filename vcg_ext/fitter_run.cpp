@@ -171,7 +171,7 @@ void Fitter::Run::TryBothWays(GraphPose from, const Progress &progress) {
 void Fitter::Run::Lay(const Progress &progress) {
     ends.clear();
     Draw(progress.Slice(0, 0.4));
-    if (matches->Unreached() > mostUnreached) {
+    if (!target.reachesFarther && matches->Unreached() > mostUnreached) {
         if (!param.bothWays) {
             TryBothWays(start, progress.Slice(0.4, 0.5));
             if (!report.bothWays && IsBentFar())

@@ -182,8 +182,9 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
     };
     SymmetricPose made;
     try {
-        made.target = fitter.Prepare({mirrored, normal ? mirroredNormal : NormalOf(), world, {}, weight, {}, "surface"},
-                                     progress.Slice(0.45, 0.55));
+        made.target =
+            fitter.Prepare({mirrored, normal ? mirroredNormal : NormalOf(), world, {}, weight, {}, "surface", true},
+                           progress.Slice(0.45, 0.55));
     } catch (const BadInput &) { // the surface itself was one: the warp has pressed it together
         throw BadInput(
             "The surface is not at all like its mirror image in this plane. Give pairs, a midline or another plane.");

@@ -84,6 +84,7 @@ class FitTarget {
     };
     Shape Spans() const;
     std::vector<Curve> curves;                      ///< as in FitGoal, but frame units
+    bool reachesFarther = false;                    ///< as in FitGoal
     std::size_t LeftOut() const { return leftOut; } ///< vertices with a coordinate that is not finite
 
     /// About \p wanted points of the target: of triangles, points that stand for the same area each.
