@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 
 namespace vcg::fcd {
 
@@ -44,8 +46,12 @@ namespace {
 constexpr int directions = 200;
 constexpr std::size_t few = 300;  // points that are matched
 constexpr std::size_t tried = 10; // least number of planes to match from, and to keep
-constexpr int steps = 60;         // of matching at most
-constexpr double rest = 1e-5;     // a plane rests if a step turns (radians) and shifts it by less in sum
+// For each direction, matching begins with so many shifts of its plane. If a third of one side is missing, the middle
+// lies 5 to 10 % of the diagonal beside the plane, and there nothing tells the right direction from others. Four shifts
+// left too much.
+constexpr int shifts = 8;
+constexpr int steps = 60;     // of matching at most
+constexpr double rest = 1e-5; // a plane rests if a step turns (radians) and shifts it by less in sum
 // Cosines above which two normals are of the same plane: 15 degrees before matching, 5 after it, as much as a shear may
 // turn them. Neighbours of a start may come to rest far from it. They are tried, too, if some plane stands out.
 constexpr double sameStart = 0.966, sameAtRest = 0.996;
@@ -56,68 +62,84 @@ constexpr double nearly = 2.5, asGood = 1e-4; // a misfit below asGood, over the
 // more was seen, in sheared and bent skulls, which are nearly round, 0.53 or less.
 constexpr double asAny = 0.65;
 
-struct Mirrored {
-    std::vector<double> far;
-    MirrorPairs pairs;
-    std::vector<NearestPlace::Hint> hint; // from one plane to the next
-};
-
-/// Matches the mirror images of points with the nearest ones of the surface. Distances count more (wrongSide) if
-/// normals point to opposite sides. \param all out; its hints: in, out
-void MatchIn(const MirrorPlane &plane, const std::vector<Eigen::Vector3d> &points,
-             const std::vector<Eigen::Vector3d> &normal, const FitTarget &surface, unsigned threads, Mirrored &all) {
-    all.far.resize(points.size());
-    all.pairs.resize(points.size());
-    all.hint.resize(points.size());
-    ParallelFor(threads, points.size(), 64, [&](std::size_t first, std::size_t last) {
-        for (std::size_t s = first; s < last; ++s) {
-            const Eigen::Vector3d p = plane(points[s]);
-            const FitTarget::Match match = surface.Nearest(p, all.hint[s]);
-            const bool isOther = match.isOriented && match.normal.dot(plane.Turn(normal[s])) < 0;
-            all.far[s] = (p - match.point).norm() * (isOther ? wrongSide : 1);
-            all.pairs[s] = {points[s], match.point};
-        }
-    });
-}
-
-/// The distance within which four fifths are.
-double MostOf(std::vector<double> far) {
-    const auto at = far.begin() + std::ptrdiff_t(4 * far.size() / 5);
-    std::nth_element(far.begin(), at, far.end());
-    return *at;
-}
-
 struct Candidate {
     double misfit;
     MirrorPlane plane;
 };
 
-Candidate AtRest(MirrorPlane plane, const std::vector<Eigen::Vector3d> &points,
-                 const std::vector<Eigen::Vector3d> &normal, const FitTarget &surface, const Progress &progress) {
-    Mirrored all;
-    MatchIn(plane, points, normal, surface, progress.threads, all);
-    for (int step = 0; step < steps; ++step) {
-        progress(double(step) / steps, "Looking for the plane");
-        const double width = std::max(MostOf(all.far), 1e-9);
-        std::vector<double> weight;
-        for (double far : all.far) { // Tukey's biweight (Beaton and Tukey 1974)
-            const double part = 1 - far * far / (4 * width * width);
-            weight.push_back(part > 0 ? part * part : 0);
-        }
+/// A plane, while the mirror images of points in it are matched with the nearest points of the surface. A match on a
+/// border is no counterpart: there the surface ends.
+class Matching {
+  public:
+    Matching(const MirrorPlane &plane, const std::vector<Eigen::Vector3d> &points,
+             const std::vector<Eigen::Vector3d> &normal, const FitTarget &surface, unsigned threads)
+        : plane(plane), points(points), normal(normal), surface(surface), threads(threads), far(points.size()),
+          pairs(points.size()), hint(points.size()) {
+        Match();
+    }
+
+    /// Moves the plane along its normal only, or freely. \return how far it turned (radians) and shifted, in sum
+    double Step(bool isAlong) {
+        const std::vector<double> weight = Weights();
         bool isUnique;
-        MirrorPlane next = PlaneOf(all.pairs, weight, isUnique);
-        if (!isUnique)
-            break;
+        MirrorPlane next = PlaneOf(pairs, weight, isUnique);
+        if (isAlong)
+            next.normal = plane.normal;
+        else if (!isUnique)
+            return 0;
         if (next.normal.dot(plane.normal) < 0)
             next.normal = -next.normal;
         const double moved = (next.normal - plane.normal).norm() + std::abs(plane.Above(next.point));
         plane = next;
-        MatchIn(plane, points, normal, surface, progress.threads, all);
-        if (moved < rest)
-            break;
+        Match();
+        return moved;
     }
-    return {MeanOfMost(all.far), plane};
-}
+
+    Candidate Result() const {
+        const std::vector<double> found = Found();
+        return {MisfitOf(found, far.size()), plane};
+    }
+
+  private:
+    /// Distances count more (wrongSide) if normals point to opposite sides.
+    void Match() {
+        ParallelFor(threads, points.size(), 64, [&](std::size_t first, std::size_t last) {
+            for (std::size_t s = first; s < last; ++s) {
+                const Eigen::Vector3d p = plane(points[s]);
+                const FitTarget::Match match = surface.Nearest(p, hint[s]);
+                const bool isOther = match.isOriented && match.normal.dot(plane.Turn(normal[s])) < 0;
+                far[s] = match.onBorder ? none : (p - match.point).norm() * (isOther ? wrongSide : 1);
+                pairs[s] = {points[s], match.point};
+            }
+        });
+    }
+
+    std::vector<double> Found() const {
+        std::vector<double> found;
+        std::copy_if(far.begin(), far.end(), std::back_inserter(found), [](double each) { return each < none; });
+        return found;
+    }
+
+    /// Tukey's biweight (Beaton and Tukey 1974): 0 beyond twice the distance within which four fifths are.
+    std::vector<double> Weights() const {
+        std::vector<double> found = Found(), weight;
+        const auto at = found.begin() + std::ptrdiff_t(4 * found.size() / 5);
+        std::nth_element(found.begin(), at, found.end());
+        const double width = at == found.end() ? 0 : 2 * std::max(*at, 1e-9);
+        for (double each : far)
+            weight.push_back(each < width ? detail::Squared(1 - detail::Squared(each / width)) : 0);
+        return weight;
+    }
+
+    static constexpr double none = std::numeric_limits<double>::infinity();
+    MirrorPlane plane;
+    const std::vector<Eigen::Vector3d> &points, &normal;
+    const FitTarget &surface;
+    const unsigned threads;
+    std::vector<double> far; // none: no counterpart
+    MirrorPairs pairs;
+    std::vector<NearestPlace::Hint> hint; // from one plane to the next
+};
 
 } // namespace
 
@@ -138,12 +160,12 @@ TriedPlanes FindPlanes(const std::vector<Eigen::Vector3d> &points, const std::ve
     }
     const std::vector<Eigen::Vector3d> someOf = Some(points, few), normalOf = Some(normal, few);
     std::vector<Candidate> all;
-    Mirrored images;
     for (const Eigen::Vector3d &each : direction) {
         progress(0.3 * double(all.size()) / double(direction.size()), "Looking for the plane");
-        const MirrorPlane plane{spread.Middle(), each};
-        MatchIn(plane, someOf, normalOf, surface, progress.threads, images);
-        all.push_back({MeanOfMost(images.far), plane});
+        Matching matching({spread.Middle(), each}, someOf, normalOf, surface, progress.threads);
+        for (int shift = 0; shift < shifts; ++shift)
+            matching.Step(true);
+        all.push_back(matching.Result());
     }
     const auto isBetter = [](const Candidate &a, const Candidate &b) { return a.misfit < b.misfit; };
     std::stable_sort(all.begin(), all.end(), isBetter);
@@ -165,7 +187,13 @@ TriedPlanes FindPlanes(const std::vector<Eigen::Vector3d> &points, const std::ve
     }
     ParallelTasks(progress.Slice(0.3, 1), "Looking for the plane", best.size(),
                   [&](std::size_t i, const Progress &share) {
-                      best[i] = AtRest(best[i].plane, someOf, normalOf, surface, share);
+                      Matching matching(best[i].plane, someOf, normalOf, surface, share.threads);
+                      double moved = 1;
+                      for (int step = 0; step < steps && moved >= rest; ++step) {
+                          share(double(step) / steps, "Looking for the plane");
+                          moved = matching.Step(false);
+                      }
+                      best[i] = matching.Result();
                   });
     std::stable_sort(best.begin(), best.end(), isBetter);
     const std::size_t least = best[0].misfit > asGood ? tried : 1;

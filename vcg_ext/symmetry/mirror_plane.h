@@ -39,7 +39,7 @@ struct TriedPlanes {
 };
 
 /// Tries many directions. From the best ones, matches the mirror image with the surface (iterative closest points,
-/// robust weights) until it rests. The misfit is the mean distance of the nearest four fifths. \param points, normal
+/// robust weights) until it rests. The misfit is that of a warp (MisfitOf). \param points, normal
 /// samples all over the surface; a normal is 0 if unknown \param surface itself \throw Cancelled
 TriedPlanes FindPlanes(const std::vector<Eigen::Vector3d> &points, const std::vector<Eigen::Vector3d> &normal,
                        const FitTarget &surface, const Progress &progress = {});

@@ -174,6 +174,11 @@ double MeanOfMost(std::vector<double> far) {
     return sum / double(count);
 }
 
+double MisfitOf(const std::vector<double> &found, std::size_t all) {
+    return found.empty() ? std::numeric_limits<double>::infinity()
+                         : MeanOfMost(found) * double(all) / double(found.size());
+}
+
 SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *report) {
     const std::size_t places = goal.place.size();
     Eigen::AlignedBox3d box;
@@ -271,7 +276,7 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *r
         }
     }
     if (report)
-        *report = {MeanOfMost(far), std::move(share)};
+        *report = {MisfitOf(found, places), std::move(share)};
     return warp;
 }
 

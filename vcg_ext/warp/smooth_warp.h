@@ -74,7 +74,7 @@ struct WarpGoal {
 
 /// How well a warp fits.
 struct WarpReport {
-    double misfit = 0;         ///< mean distance of the nearest four fifths of the matches
+    double misfit = 0;         ///< by MisfitOf
     std::vector<double> share; ///< weight of each place's match, [0, 1]
 };
 
@@ -85,6 +85,10 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress = {}, WarpRepo
 
 /// The mean of the smallest four fifths.
 double MeanOfMost(std::vector<double> far);
+
+/// How well places match that in part have no counterpart: the mean distance of the nearest four fifths of those that
+/// have one, over their share. \param found distances from the counterparts \param all number of places
+double MisfitOf(const std::vector<double> &found, std::size_t all);
 
 } // namespace vcg::fcd
 
