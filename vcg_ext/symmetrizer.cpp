@@ -132,6 +132,10 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
     }
     const auto itself = fitter.Prepare({source, normal, world, {}, weight, {}, "surface"}, progress.Slice(0, 0.1));
 
+    for (std::size_t s = 0; s < warped.place.size(); ++s) // of a cloud without normals: that of the points around
+        if (warped.normal[s].isZero(0))
+            warped.normal[s] = itself->Nearest(warped.place[s]).normal;
+
     MirrorPlane plane;
     report.isGiven = goal.plane.has_value();
     if (report.isGiven)

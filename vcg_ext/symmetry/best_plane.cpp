@@ -65,7 +65,14 @@ MirrorPlane BestPlane(const TriedPlanes &tried, const WarpGoalIn &goalIn, bool &
     std::vector<MirrorPlane> planes = tried.planes;
     const bool isMany = planes.size() > finalPlanes;
     if (isMany) {
-        const auto all = WarpInEach(planes, goalIn, sketchPlaces, sketchDegree, progress.Slice(0, 0.5));
+        // Points without a surface have no normals: those of the points around would let any plane seem right.
+        const WarpGoalIn bareIn = [&](const MirrorPlane &in) {
+            WarpGoal goal = goalIn(in);
+            if (!tried.standOut)
+                std::fill(goal.normal.begin(), goal.normal.end(), Eigen::Vector3d::Zero());
+            return goal;
+        };
+        const auto all = WarpInEach(planes, bareIn, sketchPlaces, sketchDegree, progress.Slice(0, 0.5));
         const std::vector<double> misfit = SortedMisfits(all);
         if (!tried.standOut && misfit[0] > std::max(perfect, asAnyWarped * misfit[misfit.size() / 2]))
             throw BadInput("The surface is as much like its mirror image in any plane as in another one. Give pairs, a "

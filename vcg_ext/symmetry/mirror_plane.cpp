@@ -6,8 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <limits>
 
 namespace vcg::fcd {
 
@@ -74,7 +72,7 @@ class Matching {
     Matching(const MirrorPlane &plane, const std::vector<Eigen::Vector3d> &points,
              const std::vector<Eigen::Vector3d> &normal, const FitTarget &surface, unsigned threads)
         : plane(plane), points(points), normal(normal), surface(surface), threads(threads), far(points.size()),
-          pairs(points.size()), hint(points.size()) {
+          share(points.size()), pairs(points.size()), hint(points.size()) {
         Match();
     }
 
@@ -95,10 +93,7 @@ class Matching {
         return moved;
     }
 
-    Candidate Result() const {
-        const std::vector<double> found = Found();
-        return {MisfitOf(found, far.size()), plane};
-    }
+    Candidate Result() const { return {MisfitOf(far, share), plane}; }
 
   private:
     /// Distances count more (wrongSide) if normals point to opposite sides.
@@ -108,35 +103,31 @@ class Matching {
                 const Eigen::Vector3d p = plane(points[s]);
                 const FitTarget::Match match = surface.Nearest(p, hint[s]);
                 const bool isOther = match.isOriented && match.normal.dot(plane.Turn(normal[s])) < 0;
-                far[s] = match.onBorder ? none : (p - match.point).norm() * (isOther ? wrongSide : 1);
+                far[s] = (p - match.point).norm() * (isOther ? wrongSide : 1);
+                share[s] = match.onBorder ? 0 : 1;
                 pairs[s] = {points[s], match.point};
             }
         });
     }
 
-    std::vector<double> Found() const {
-        std::vector<double> found;
-        std::copy_if(far.begin(), far.end(), std::back_inserter(found), [](double each) { return each < none; });
-        return found;
-    }
-
     /// Tukey's biweight (Beaton and Tukey 1974): 0 beyond twice the distance within which four fifths are.
     std::vector<double> Weights() const {
-        std::vector<double> found = Found(), weight;
+        std::vector<double> found = WithCounterpart(far, share), weight;
+        const bool isAny = found.size() < far.size();
         const auto at = found.begin() + std::ptrdiff_t(4 * found.size() / 5);
         std::nth_element(found.begin(), at, found.end());
-        const double width = at == found.end() ? 0 : 2 * std::max(*at, 1e-9);
-        for (double each : far)
-            weight.push_back(each < width ? detail::Squared(1 - detail::Squared(each / width)) : 0);
+        const double width = 2 * std::max(*at, 1e-9);
+        for (std::size_t s = 0; s < far.size(); ++s)
+            weight.push_back(
+                far[s] < width && (share[s] > 0 || !isAny) ? detail::Squared(1 - detail::Squared(far[s] / width)) : 0);
         return weight;
     }
 
-    static constexpr double none = std::numeric_limits<double>::infinity();
     MirrorPlane plane;
     const std::vector<Eigen::Vector3d> &points, &normal;
     const FitTarget &surface;
     const unsigned threads;
-    std::vector<double> far; // none: no counterpart
+    std::vector<double> far, share; // distances of matches; 0 for those on a border, else 1
     MirrorPairs pairs;
     std::vector<NearestPlace::Hint> hint; // from one plane to the next
 };

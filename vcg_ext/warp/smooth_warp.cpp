@@ -174,9 +174,17 @@ double MeanOfMost(std::vector<double> far) {
     return sum / double(count);
 }
 
-double MisfitOf(const std::vector<double> &found, std::size_t all) {
-    return found.empty() ? std::numeric_limits<double>::infinity()
-                         : MeanOfMost(found) * double(all) / double(found.size());
+std::vector<double> WithCounterpart(const std::vector<double> &far, const std::vector<double> &share) {
+    std::vector<double> found;
+    for (std::size_t s = 0; s < far.size(); ++s)
+        if (share[s] > 0)
+            found.push_back(far[s]);
+    return 2 * found.size() < far.size() ? far : found;
+}
+
+double MisfitOf(const std::vector<double> &far, const std::vector<double> &share) {
+    const std::vector<double> found = WithCounterpart(far, share);
+    return MeanOfMost(found) * double(far.size()) / double(std::max<std::size_t>(found.size(), 1));
 }
 
 SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *report) {
@@ -276,7 +284,7 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *r
         }
     }
     if (report)
-        *report = {MisfitOf(found, places), std::move(share)};
+        *report = {MisfitOf(far, share), std::move(share)};
     return warp;
 }
 

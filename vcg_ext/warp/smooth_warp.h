@@ -86,9 +86,13 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress = {}, WarpRepo
 /// The mean of the smallest four fifths.
 double MeanOfMost(std::vector<double> far);
 
-/// How well places match that in part have no counterpart: the mean distance of the nearest four fifths of those that
-/// have one, over their share. \param found distances from the counterparts \param all number of places
-double MisfitOf(const std::vector<double> &found, std::size_t all);
+/// The distances of the places that have a counterpart (a share above 0). All of them if fewer than half have one, as
+/// where a surface is in pieces that end everywhere.
+std::vector<double> WithCounterpart(const std::vector<double> &far, const std::vector<double> &share);
+
+/// How well places match: the mean distance of the nearest four fifths of those WithCounterpart, over their part of
+/// all.
+double MisfitOf(const std::vector<double> &far, const std::vector<double> &share);
 
 } // namespace vcg::fcd
 
