@@ -189,17 +189,11 @@ std::vector<std::string> warningsOf(const SymmetrizedLayers &made) {
                                    " percent of the surface have no counterpart on the other side: their place is a "
                                    "guess that may be off by about ",
                                    report.fit.guessError, "."));
-    if (!report.contradicted.empty()) {
-        std::string names;
-        for (std::size_t each : report.contradicted)
-            names += (names.empty() ? "" : ", ") + std::to_string(each);
-        warnings.push_back("Landmarks " + names +
-                           ", counted from 0, the pairs first, do not go with the others. Look whether they are mixed "
-                           "up.");
-    }
+    if (std::string named = report.Contradiction(made.pairs); !named.empty())
+        warnings.push_back(std::move(named));
     if (made.result.check.flipped > 0)
         warnings.push_back(trianglesFlipped(std::size_t(made.result.check.flipped)) +
-                           ": the surface is folded there. Give pairs, or raise stiffness.");
+                           ": the surface is folded there. Give pairs, or look at those given, or raise stiffness.");
     if (!made.result.converged)
         warnings.emplace_back("The fit onto the mirror image did not converge: raise fit_steps.");
     return warnings;

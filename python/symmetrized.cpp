@@ -93,6 +93,7 @@ nb::tuple Fitting::symmetrize(const nb::dict &given, const std::optional<Rows> &
     all["matched"] = found.fit.matched;
     all["guessed"] = found.fit.guessed;
     all["guess_error"] = found.fit.guessError;
+    all["contradiction"] = found.Contradiction(goal.pairs.size());
     all["contradicted"] = nb::tuple(nb::cast(found.contradicted));
     all["pairs"] = goal.pairs.size();
     all["midline"] = goal.midline.size();

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 /// \file
@@ -33,7 +34,7 @@ struct SymmetryGoal {
 /// How asymmetric the surface was, and how it was made symmetric. Lengths are in world units.
 struct SymmetryReport {
     FitReport fit; ///< of the surface onto its mirror image; its landmarks are the pairs, each from both ends, then the
-                   ///< midline
+                   ///< midline, without those left out
     MirrorPlane plane;               ///< world units
     bool isGiven = false;            ///< the plane was given
     bool isOfLandmarks = false;      ///< the plane is that of the landmarks
@@ -43,6 +44,11 @@ struct SymmetryReport {
     double moved = 0, movedMost = 0; ///< how far these points were moved: rms, largest
     double landmarks = 0; ///< largest distance of a landmark from its partner's mirror image, before PutPartners
     std::vector<std::size_t> contradicted; ///< pairs, then midline points, numbered from 0, that the others contradict
+    bool leftOut = false; ///< these were not followed, since there is a tolerance; they count nowhere else
+
+    /// Names the landmarks that the others contradict, and says what to do; empty if there are none. \param pairs of
+    /// the goal: their number
+    std::string Contradiction(std::size_t pairs) const;
 };
 
 /// The poses of a symmetrized surface.

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -100,9 +101,23 @@ void AddTo(WarpGoal &goal, const MirrorPairs &landmarks, const MirrorPlane &plan
     }
 }
 
-/// \param numbers ascending
-bool IsIn(const std::vector<std::size_t> &numbers, std::size_t l) {
-    return std::binary_search(numbers.begin(), numbers.end(), l);
+/// The landmarks without some. \param without numbers of pairs, then midline points, ascending \param number in, out:
+/// of each landmark that is left, its number in the first goal
+SymmetryGoal Without(const SymmetryGoal &goal, const std::vector<std::size_t> &without,
+                     std::vector<std::size_t> &number) {
+    SymmetryGoal rest;
+    rest.plane = goal.plane;
+    std::vector<std::size_t> left;
+    for (std::size_t l = 0; l < goal.pairs.size() + goal.midline.size(); ++l)
+        if (!std::binary_search(without.begin(), without.end(), l)) {
+            if (l < goal.pairs.size())
+                rest.pairs.push_back(goal.pairs[l]);
+            else
+                rest.midline.push_back(goal.midline[l - goal.pairs.size()]);
+            left.push_back(number[l]);
+        }
+    number = std::move(left);
+    return rest;
 }
 
 MirrorPlane InFrame(const MirrorPlane &plane, const ToWorld &world) {
@@ -113,10 +128,10 @@ MirrorPlane InFrame(const MirrorPlane &plane, const ToWorld &world) {
 
 } // namespace
 
-SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const NormalOf &normal,
-                         const Eigen::Affine3d &world, const SymmetryGoal &goal, SymmetryReport &report,
-                         const Progress &progress, const WeightOf &weight) {
-    const LoopHelpers helpers;
+/// Symmetrize with all landmarks. If the fit leaves some out, the poses are none.
+static SymmetricPose Follow(const Fitter &fitter, const SurfaceView &source, const NormalOf &normal,
+                            const Eigen::Affine3d &world, const SymmetryGoal &goal, SymmetryReport &report,
+                            const Progress &progress, const WeightOf &weight) {
     const RegionDeformer &region = fitter.Surface().Whole();
     const Frame &frame = region.surface.frame;
     const ToWorld inWorld(frame, world);
@@ -203,6 +218,8 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
         if (report.contradicted.empty() || report.contradicted.back() != number)
             report.contradicted.push_back(number);
     }
+    if (report.fit.leftOut)
+        return {};
 
     // The fit puts points at the mirror images of their warped counterparts; undo the warp.
     const auto put = [](Deformer::Pose &pose, const GraphPose &graph) {
@@ -218,20 +235,14 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
         whole.linear[j] = plane.Linear() * linear * plane.Linear() * whole.linear[j];
     }
     GraphPose half = HalfPose(region.graph, whole);
-    // Landmarks that the fit has left out are not moved, nor are their partners.
-    std::vector<std::size_t> led;
-    for (std::size_t l = 0; l < marks.vertex.size(); ++l)
-        if (!report.fit.leftOut ||
-            (!IsIn(report.fit.contradicted, l) && !IsIn(report.fit.contradicted, marks.partner[l])))
-            led.push_back(l);
-    if (!led.empty()) {
+    if (!marks.vertex.empty()) {
         FitSamples samples;
-        std::vector<Eigen::Vector3d> at(marks.vertex.size()), goals;
-        for (std::size_t k = 0; k < led.size(); ++k) {
-            samples.Add(region, made.fitted.region[0], fitter.Surface().nodeOf[marks.vertex[led[k]]]);
-            at[led[k]] = samples.At(k, half) - marks.beside[led[k]]; // of the landmark
+        std::vector<Eigen::Vector3d> at, goals;
+        for (std::size_t l = 0; l < marks.vertex.size(); ++l) {
+            samples.Add(region, made.fitted.region[0], fitter.Surface().nodeOf[marks.vertex[l]]);
+            at.emplace_back(samples.At(l, half) - marks.beside[l]); // of the landmark
         }
-        for (std::size_t l : led) {
+        for (std::size_t l = 0; l < at.size(); ++l) {
             const Eigen::Vector3d middle = 0.5 * (at[l] + plane(at[marks.partner[l]]));
             goals.emplace_back(middle + marks.beside[l]);
             report.landmarks = std::max(report.landmarks, 2 * (middle - at[l]).norm() * frame.scale);
@@ -262,28 +273,29 @@ SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const 
     return made;
 }
 
-double DistanceFromMirror(const Fitter &fitter, const SurfaceView &source, const NormalOf &normal,
-                          const Eigen::Affine3d &world, const MirrorPlane &given, const std::vector<char> &matched,
-                          const PositionsRef &position, const Progress &progress, const WeightOf &weight) {
-    const RegionDeformer &region = fitter.Surface().Whole();
-    const Frame &frame = region.surface.frame;
-    const MirrorPlane plane = InFrame(given, ToWorld(frame, world));
-    SurfaceView moved = source;
-    moved.position = position.data();
-    const auto itself = fitter.Prepare({moved, normal, world, {}, weight, {}, "surface"}, progress);
-    std::vector<double> far;
-    const std::size_t step = std::max<std::size_t>(1, source.vertexSlots / places);
-    for (std::size_t i = 0; i < source.vertexSlots; i += step)
-        if (!source.IsDeleted(i) && matched[i]) {
-            const Eigen::Vector3d p = plane(frame.ToFrame(Eigen::Vector3d(position.col(Eigen::Index(i)))));
-            far.push_back((itself->Nearest(p).point - p).norm());
-        }
-    std::sort(far.begin(), far.end());
-    far.resize(far.size() - far.size() / 10); // what is missing on one side may look matched near its border
-    double squares = 0;
-    for (double each : far)
-        squares += each * each;
-    return far.empty() ? 0 : std::sqrt(squares / double(far.size())) * frame.scale;
+SymmetricPose Symmetrize(const Fitter &fitter, const SurfaceView &source, const NormalOf &normal,
+                         const Eigen::Affine3d &world, const SymmetryGoal &goal, SymmetryReport &report,
+                         const Progress &progress, const WeightOf &weight) {
+    const LoopHelpers helpers;
+    report = {};
+    SymmetricPose made = Follow(fitter, source, normal, world, goal, report, progress.Slice(0, 0.9), weight);
+    // Landmarks that are left out have led plane and warp, so begin again without them.
+    std::vector<std::size_t> number(goal.pairs.size() + goal.midline.size()), without;
+    std::iota(number.begin(), number.end(), 0);
+    SymmetryGoal rest = goal;
+    while (report.fit.leftOut) {
+        for (std::size_t each : report.contradicted)
+            without.push_back(number[each]);
+        rest = Without(rest, report.contradicted, number);
+        report = {};
+        made = Follow(fitter, source, normal, world, rest, report, progress.Slice(0.9, 1), weight);
+    }
+    if (!without.empty()) {
+        std::sort(without.begin(), without.end());
+        report.contradicted = std::move(without);
+        report.leftOut = true;
+    }
+    return made;
 }
 
 void PutPartners(const Fitter &fitter, const SurfaceView &source, const Eigen::Affine3d &world,

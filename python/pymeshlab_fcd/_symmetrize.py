@@ -236,18 +236,18 @@ def symmetrize(
     if found["matched"] == 0:
         raise ValueError("nothing of the surface has a counterpart on its other side: give pairs, a midline or the plane, or raise "
                          "largest_distance")
-    diagonal = found.pop("diagonal")
+    diagonal, contradiction = found.pop("diagonal"), found.pop("contradiction")
     made = Symmetrized(deformer, solved)
     made._symmetry = SymmetryInfo(**found)
     made._mirrored, made._matched = mirrored, matched
     mirrored.flags.writeable = matched.flags.writeable = False
     made._write(None, None, None, lambda at: np.copyto(at, places))
-    warn(_words(made, made._check(report(told, 90, 100))["folded"], diagonal), 2)
+    warn(_words(made, made._check(report(told, 90, 100))["folded"], diagonal, contradiction), 2)
     made._warn_of_contact(3)
     return made
 
 
-def _words(made: Symmetrized, folded: int, diagonal: float) -> list[Told]:
+def _words(made: Symmetrized, folded: int, diagonal: float, contradiction: str) -> list[Told]:
     """Warnings of what not to trust."""
     told, found = made.symmetry, list[Told]()
     if not told.is_sure:
@@ -262,12 +262,10 @@ def _words(made: Symmetrized, folded: int, diagonal: float) -> list[Told]:
     elif told.guessed > 0.05 and told.guess_error > 0.01 * diagonal:  # 1 %: no hand misses so much
         found.append((SymmetryWarning, f"{100 * told.guessed:.3g} percent of the surface have no counterpart on the other side: their "
                                        f"place is a guess that may be off by about {told.guess_error:.3g}."))
-    if told.contradicted:
-        names = ", ".join(map(str, told.contradicted))
-        found.append((LandmarkWarning, f"Landmarks {names}, counted from 0, the pairs first, do not go with the others. Look whether they are "
-                                       "mixed up."))
+    if contradiction:
+        found.append((LandmarkWarning, contradiction))
     if folded > 0:
-        found.append((FoldWarning, f"{triangles_turned(folded)}: the surface is folded there. Give pairs, or raise stiffness."))
+        found.append((FoldWarning, f"{triangles_turned(folded)}: the surface is folded there. Give pairs, or look at those given, or raise stiffness."))
     if not told.converged:
         found.append((NotAtRestWarning, "The fit onto the mirror image did not converge: raise steps."))
     return found

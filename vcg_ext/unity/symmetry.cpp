@@ -3,6 +3,7 @@
 // where it is built, so that a compiler cache knows it anywhere.
 #include <vcg_ext/compensator.cpp>           // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/symmetrizer.cpp>           // NOLINT(bugprone-suspicious-include)
+#include <vcg_ext/symmetrizer_report.cpp>    // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/symmetry/best_plane.cpp>   // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/symmetry/half_pose.cpp>    // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/symmetry/mirror_plane.cpp> // NOLINT(bugprone-suspicious-include)
