@@ -28,7 +28,7 @@ class Contact:
     depth: NDArray[np.float64]
     """n: how far each vertex has come through the surface, in units of the vertices; 0 for most. Corners of the triangles in contact have the
     depth of their pair. These triangles also cut the surface into pieces. In each connected part, all pieces but the largest are inside: their
-    vertices have the distance from the surface that they passed."""
+    vertices have the distance from the surface that they passed, also where that is the same piece, as on both sides of a crease."""
 
     @property
     def triangles(self) -> int:

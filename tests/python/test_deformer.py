@@ -37,6 +37,17 @@ def finger(n=120, m=40):
     return vertices, np.r_[np.c_[a, b, a + m], np.c_[b, b + m, a + m]], tags, lambda degrees: {2: Motion.rotate([0, 1, 0], -degrees, about=[40, 0, 0])}
 
 
+def test_the_depth_grows_as_the_surface_moves():
+    """Both sides of a crease may be one piece, which is cut off only if no vertex leads out of it. Here, one did from 147 degrees on."""
+    s, a = np.meshgrid(np.linspace(0, 100, 100), np.linspace(0, 2 * np.pi, 40, endpoint=False) + 0.01, indexing="ij")
+    vertices = np.stack([s.ravel(), 8 * np.cos(a).ravel(), 8 * np.sin(a).ravel()], 1)
+    faces = finger(100)[1]
+    deformer = Deformer(vertices, faces, np.where(vertices[:, 0] < 42, 0, np.where(vertices[:, 0] > 58, 2, 1)))
+    depth = [deformer.pose({2: Motion.rotate([0, 1, 0], -degrees, about=[50, 0, 0])}, steps=8, check=False).contact.largest_depth
+             for degrees in range(140, 156, 2)]
+    assert 7 < depth[0] and (np.diff(depth) > 0).all() and np.diff(depth).max() < 0.5
+
+
 def test_a_finger_that_closes_into_its_palm_is_told(monkeypatch):
     vertices, faces, tags, close = finger()
     deformer = Deformer(vertices, faces, tags)

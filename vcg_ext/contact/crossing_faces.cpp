@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 
 namespace vcg::fcd::detail {
@@ -168,7 +169,8 @@ class Leaves {
 
 } // namespace
 
-std::vector<Crossing> FindCrossings(const TwoShapes &shape, double apart, const Progress &progress) {
+std::vector<Crossing> FindCrossings(const TwoShapes &shape, double apart, std::vector<Pinch> &pinches,
+                                    const Progress &progress) {
     const Looked looked = FacesToLookAt(shape, progress.Slice(0, 0.2));
     if (looked.face.empty())
         return {};
@@ -178,15 +180,41 @@ std::vector<Crossing> FindCrossings(const TwoShapes &shape, double apart, const 
                  least = std::ldexp(box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff(), -46);
     const auto boxOf = [&](std::size_t i) -> const Eigen::AlignedBox3f & { return leaves.BoxOf(i); };
     const BoxTree<decltype(boxOf)> tree(leaves.Size(), boxOf);
-    const auto lookAt = [&](std::uint32_t f, std::uint32_t g, std::vector<Crossing> &found) {
-        if (shape.ShareCorner(f, g))
+    struct Found {
+        std::vector<Crossing> crossing;
+        std::vector<Pinch> pinch;
+    };
+    const auto lookAt = [&](std::uint32_t f, std::uint32_t g, Found &found) {
+        if (f > g)
+            std::swap(f, g);
+        auto shared = shape.SharedCorners(f, g, std::equal_to<>());
+        if (shared.count > 1)
             return;
-        const double through = Through(shape.CornersNow(f), shape.CornersNow(g), least);
-        if (through > 0 && !AreNear(shape.CornersAtRest(f), shape.CornersAtRest(g), distance))
-            found.push_back({{std::min(f, g), std::max(f, g)}, through});
+        // Begin at the shared corner: then rounding decides nothing there.
+        const auto from = [](const Corners3 &c, std::size_t k) {
+            return Corners3{c[k], c[(k + 1) % 3], c[(k + 2) % 3]};
+        };
+        const auto through = [&] {
+            return Through(from(shape.CornersNow(f), shared.of[0]), from(shape.CornersNow(g), shared.of[1]), least);
+        };
+        const double deep = through();
+        if (!(deep > 0))
+            return;
+        if (shared.count == 0) { // vertices may be doubled
+            shared = shape.SharedCorners(
+                f, g, [&](std::uint32_t i, std::uint32_t j) { return shape.mesh.At(i) == shape.mesh.At(j); });
+            if (shared.count > 1 || (shared.count == 1 && !(through() > 0)))
+                return;
+        }
+        const Corners3 a = from(shape.CornersAtRest(f), shared.of[0]), b = from(shape.CornersAtRest(g), shared.of[1]);
+        if (shared.count == 0) {
+            if (!AreNear(a, b, distance))
+                found.crossing.push_back({{f, g}, deep});
+        } else if (!(Through(a, b, 0) > 0))
+            found.pinch.push_back({{f, g}, {shape.Corner(f, shared.of[0]), shape.Corner(g, shared.of[1])}});
     };
     const std::size_t grain = 1 << 8;
-    std::vector<std::vector<Crossing>> found((leaves.Size() + grain - 1) / grain);
+    std::vector<Found> found((leaves.Size() + grain - 1) / grain);
     ParallelFor(progress.Slice(0.4, 1), stage, leaves.Size(), grain, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
             const Leaves::Leaf &a = leaves[i];
@@ -211,7 +239,11 @@ std::vector<Crossing> FindCrossings(const TwoShapes &shape, double apart, const 
             });
         }
     });
-    std::vector<Crossing> all = Together(found);
+    std::vector<Crossing> all;
+    for (const Found &each : found) {
+        all.insert(all.end(), each.crossing.begin(), each.crossing.end());
+        pinches.insert(pinches.end(), each.pinch.begin(), each.pinch.end());
+    }
     std::sort(all.begin(), all.end());
     return all;
 }

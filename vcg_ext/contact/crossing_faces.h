@@ -23,6 +23,14 @@ struct Crossing {
     }
 };
 
+/// Two faces that have one corner in common, at rest, and pass through each other elsewhere in the pose: neighbours at
+/// the end of a line along which the surface passes through itself. (Where triangles are flat, such a line ends at a
+/// vertex only.)
+struct Pinch {
+    std::uint32_t face[2];
+    std::uint32_t slot[2]; ///< of the corner; differ where vertices are doubled
+};
+
 /// A surface at rest and in a pose ("now"), both in world units.
 class TwoShapes {
   public:
@@ -48,12 +56,20 @@ class TwoShapes {
         const Corners3 c = CornersNow(f);
         return !(c[1] - c[0]).cross(c[2] - c[0]).isZero(0);
     }
-    bool ShareCorner(std::size_t f, std::size_t g) const {
+    /// The corners that two faces have in common.
+    struct Shared {
+        int count = 0;
+        std::size_t of[2]; ///< number of the last one in each face, 0 to 2
+    };
+    /// \param isSame isSame(slot, slot): whether two corners are one
+    template <class IsSame>
+    Shared SharedCorners(std::size_t f, std::size_t g, const IsSame &isSame) const {
+        Shared shared{0, {0, 0}};
         for (std::size_t k = 0; k < 3; ++k)
             for (std::size_t l = 0; l < 3; ++l)
-                if (Corner(f, k) == Corner(g, l))
-                    return true;
-        return false;
+                if (isSame(Corner(f, k), Corner(g, l)))
+                    shared = {shared.count + 1, {k, l}};
+        return shared;
     }
 
     const SurfaceView &mesh;
@@ -68,8 +84,9 @@ class TwoShapes {
 
 /// The pairs of faces that pass through each other now, ascending. Pairs that touched at rest are left out.
 /// \param apart the distance up to which faces touch, over the diagonal of the posed box of the faces that move
-/// \throw Cancelled
-std::vector<Crossing> FindCrossings(const TwoShapes &shape, double apart, const Progress &progress);
+/// \param pinches out \throw Cancelled
+std::vector<Crossing> FindCrossings(const TwoShapes &shape, double apart, std::vector<Pinch> &pinches,
+                                    const Progress &progress);
 
 } // namespace vcg::fcd::detail
 

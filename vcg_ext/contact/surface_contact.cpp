@@ -12,6 +12,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -25,16 +26,22 @@ constexpr const char *stage = "Measuring contact";
 /// The pieces of a surface if the faces that pass through others are left out.
 class Pieces {
   public:
-    /// \param crosses per face: whether it passes through another
-    Pieces(const TwoShapes &shape, const std::vector<char> &crosses, const Progress &progress)
+    /// \param crosses per face: whether it passes through another, also through one beside it
+    Pieces(const TwoShapes &shape, const std::vector<char> &crosses, const std::vector<detail::Pinch> &pinches,
+           const Progress &progress)
         : nodeOf(shape.mesh.vertexSlots, -1) {
         const Index nodes = Weld(shape, progress);
+        isPinched.assign(std::size_t(nodes), 0);
+        for (const detail::Pinch &each : pinches)
+            for (const std::uint32_t slot : each.slot)
+                if (nodeOf[slot] >= 0)
+                    isPinched[std::size_t(nodeOf[slot])] = 1;
         DisjointSets joined(nodes), all(nodes);
         ForFaces(shape, [&](std::size_t f) {
-            for (std::size_t k = 0; k < 2; ++k) {
-                const Index a = nodeOf[shape.Corner(f, k)], b = nodeOf[shape.Corner(f, k + 1)];
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Index a = nodeOf[shape.Corner(f, k)], b = nodeOf[shape.Corner(f, (k + 1) % 3)];
                 all.Join(a, b);
-                if (!crosses[f])
+                if (!crosses[f] && !isPinched[std::size_t(a)] && !isPinched[std::size_t(b)])
                     joined.Join(a, b);
             }
         });
@@ -44,7 +51,10 @@ class Pieces {
         ForFaces(shape, [&](std::size_t f) {
             if (!crosses[f]) {
                 const detail::Corners3 c = shape.CornersAtRest(f);
-                area[std::size_t(Of(shape.Corner(f, 0)))] += (c[1] - c[0]).cross(c[2] - c[0]).norm();
+                std::size_t k = 0; // a corner that is not pinched, if there is one
+                while (k < 2 && isPinched[std::size_t(nodeOf[shape.Corner(f, k)])])
+                    ++k;
+                area[std::size_t(Of(shape.Corner(f, k)))] += (c[1] - c[0]).cross(c[2] - c[0]).norm();
             }
         });
         main.assign(std::size_t(nodes), -1);
@@ -59,7 +69,11 @@ class Pieces {
     /// The piece of a vertex slot, -1 for none.
     Index Of(std::size_t slot) const { return nodeOf[slot] < 0 ? -1 : pieceOf[std::size_t(nodeOf[slot])]; }
     /// Whether a vertex is in another piece than the largest one of its connected part.
-    bool IsCutOff(std::size_t slot) const { return nodeOf[slot] >= 0 && Of(slot) != main[std::size_t(nodeOf[slot])]; }
+    /// Pinched ones are in none.
+    bool IsCutOff(std::size_t slot) const {
+        return nodeOf[slot] >= 0 && !isPinched[std::size_t(nodeOf[slot])] &&
+               Of(slot) != main[std::size_t(nodeOf[slot])];
+    }
 
     /// body(f) for each face with three nodes, ascending.
     template <class Body>
@@ -95,6 +109,7 @@ class Pieces {
     }
 
     std::vector<Index> nodeOf;        ///< per vertex slot
+    std::vector<char> isPinched;      ///< per node: a line of contact ends there, so no piece goes through it
     std::vector<Index> pieceOf, main; ///< per node: its piece, and the largest piece of its connected part
 };
 
@@ -102,6 +117,7 @@ class Pieces {
 struct Triangles {
     std::vector<Eigen::Vector3d> corner;
     std::vector<std::array<Index, 3>> triangle, piece; ///< corners, and the piece of each corner
+    Index own = -1;                                    ///< the piece, if all are of one
     Eigen::AlignedBox3d box;
     Eigen::Matrix3Xd position;
     std::unique_ptr<const detail::TriangleTree> tree;
@@ -123,22 +139,43 @@ struct Triangles {
 };
 
 /// Sets the depth of vertices of cut-off pieces: the distance from the nearest triangle of another cut-off piece, or
-/// the nearest crossing face without a corner in the vertex's own piece.
-void MeasurePieces(const TwoShapes &shape, const std::vector<char> &crosses, SurfaceContact &contact,
+/// the nearest crossing face without a corner in the vertex's own piece. If a piece passes through itself, as both
+/// sides of a crease do, what faces the other way counts, too: of the piece, and of the crossing faces.
+void MeasurePieces(const TwoShapes &shape, const std::vector<detail::Crossing> &pairs,
+                   const std::vector<detail::Pinch> &pinches, std::vector<char> crosses, SurfaceContact &contact,
                    const Progress &progress) {
-    const Pieces pieces(shape, crosses, progress.Slice(0, 0.3));
+    for (const detail::Pinch &each : pinches)
+        crosses[each.face[0]] = crosses[each.face[1]] = 1;
+    const Pieces pieces(shape, crosses, pinches, progress.Slice(0, 0.3));
     Triangles crossing;
     std::vector<Triangles> cut; // the pieces that are cut off, in the order of their first faces
     std::map<Index, std::size_t> numberOf;
+    std::set<Index> throughThemselves;
+    for (const detail::Crossing &each : pairs)
+        for (std::size_t k = 0; k < 3; ++k)
+            for (std::size_t l = 0; l < 3; ++l) {
+                const std::uint32_t a = shape.Corner(each.face[0], k), b = shape.Corner(each.face[1], l);
+                if (pieces.IsCutOff(a) && pieces.Of(a) == pieces.Of(b))
+                    throughThemselves.insert(pieces.Of(a));
+            }
+    std::vector<Eigen::Vector3d> normal(throughThemselves.empty() ? 0 : contact.depth.size(), Eigen::Vector3d::Zero());
     pieces.ForFaces(shape, [&](std::size_t f) {
+        if (!normal.empty()) {
+            const detail::Corners3 c = shape.CornersNow(f);
+            for (std::size_t k = 0; k < 3; ++k)
+                normal[shape.Corner(f, k)] += (c[1] - c[0]).cross(c[2] - c[0]);
+        }
         if (crosses[f])
             crossing.Add(shape, pieces, f);
-        else if (pieces.IsCutOff(shape.Corner(f, 0))) {
-            const auto [found, isNew] = numberOf.emplace(pieces.Of(shape.Corner(f, 0)), cut.size());
-            if (isNew)
-                cut.emplace_back();
-            cut[found->second].Add(shape, pieces, f);
-        }
+        else
+            for (std::size_t k = 0; k < 3; ++k)
+                if (pieces.IsCutOff(shape.Corner(f, k))) {
+                    const auto [found, isNew] = numberOf.emplace(pieces.Of(shape.Corner(f, k)), cut.size());
+                    if (isNew)
+                        cut.emplace_back().own = found->first;
+                    cut[found->second].Add(shape, pieces, f);
+                    break;
+                }
     });
     crossing.Sort(progress.Slice(0.3, 0.4));
     ParallelTasks(progress.Slice(0.4, 0.6), stage, cut.size(),
@@ -160,9 +197,19 @@ void MeasurePieces(const TwoShapes &shape, const std::vector<char> &crosses, Sur
                                 .square;
             const Eigen::Vector3d reach = Eigen::Vector3d::Constant(std::sqrt(square));
             boxes.ForMeeting({p - reach, p + reach}, [&](std::size_t c) {
-                if (cut[c].piece[0][0] != own && cut[c].box.squaredExteriorDistance(p) < square)
+                if (cut[c].own != own && cut[c].box.squaredExteriorDistance(p) < square)
                     square = std::min(square, (*cut[c].tree)(p, -1).square);
             });
+            const auto takeOpposite = [&](const Triangles &among) {
+                const auto facing = among.tree->Facing(p, -normal[i], std::sqrt(square));
+                if (facing.triangle >= 0)
+                    square = std::min(square, facing.square);
+            };
+            if (throughThemselves.count(own) != 0) {
+                takeOpposite(crossing);
+                if (const auto number = numberOf.find(own); number != numberOf.end())
+                    takeOpposite(cut[number->second]);
+            }
             if (square < std::numeric_limits<double>::max()) // else all crossing faces are at its own border
                 contact.depth[i] = std::sqrt(square);
         }
@@ -175,7 +222,8 @@ SurfaceContact FindContact(const SurfaceView &mesh, const PositionsRef &position
                            double apart, const Progress &progress) {
     SurfaceContact contact;
     const TwoShapes shape(mesh, position, metric);
-    const std::vector<detail::Crossing> crossing = detail::FindCrossings(shape, apart, progress.Slice(0, 0.8));
+    std::vector<detail::Pinch> pinches;
+    const std::vector<detail::Crossing> crossing = detail::FindCrossings(shape, apart, pinches, progress.Slice(0, 0.8));
     contact.pairs = std::int64_t(crossing.size());
     if (crossing.empty())
         return contact;
@@ -186,7 +234,7 @@ SurfaceContact FindContact(const SurfaceView &mesh, const PositionsRef &position
         if (crosses[f])
             contact.face.push_back(std::uint32_t(f));
     contact.depth.assign(mesh.vertexSlots, 0);
-    MeasurePieces(shape, crosses, contact, progress.Slice(0.8, 1));
+    MeasurePieces(shape, crossing, pinches, crosses, contact, progress.Slice(0.8, 1));
     for (const detail::Crossing &each : crossing)
         for (std::uint32_t f : each.face)
             for (std::size_t k = 0; k < 3; ++k) {

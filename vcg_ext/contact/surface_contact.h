@@ -23,7 +23,9 @@ struct SurfaceContact {
     /// How far each vertex slot has come through the surface, world units; 0 for most, empty without contact. Corners
     /// of \ref face have the depth of their pair of faces. Those faces also cut the surface into pieces. In each
     /// connected part, all pieces but the largest are inside: their vertices have the distance from the surface that
-    /// they passed.
+    /// they passed. If a piece passes through itself, as both sides of a crease do, that is also the part of it that
+    /// faces the other way. So in a motion, the depth grows and falls by about as much as the surface moves, unless a
+    /// part is cut off that was not before.
     std::vector<double> depth;
 
     std::string Text() const; ///< a sentence about it; empty without contact
