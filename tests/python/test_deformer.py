@@ -37,6 +37,7 @@ def finger(n=120, m=40):
     return vertices, np.r_[np.c_[a, b, a + m], np.c_[b, b + m, a + m]], tags, lambda degrees: {2: Motion.rotate([0, 1, 0], -degrees, about=[40, 0, 0])}
 
 
+@pytest.mark.filterwarnings("ignore::pymeshlab_fcd.ContactWarning")
 def test_the_depth_grows_as_the_surface_moves():
     """Both sides of a crease may be one piece, which is cut off only if no vertex leads out of it. Here, one did from 147 degrees on."""
     s, a = np.meshgrid(np.linspace(0, 100, 100), np.linspace(0, 2 * np.pi, 40, endpoint=False) + 0.01, indexing="ij")
