@@ -154,9 +154,9 @@ void Fitter::Run::TryEnds(const Progress &progress) {
 }
 
 /// Tries matching both ways; keeps it if it reaches nearly all of the target, more of the surface lies on it, and it
-/// does not strain the surface for that: where both are parts, it would be drawn over what it lacks.
+/// does not strain the surface as if it lay turned: where both are parts, it would be drawn over what it lacks.
 void Fitter::Run::TryBothWays(GraphPose from, const Progress &progress) {
-    const double most = std::max(pressed, StrainOf(region, graph));
+    const double most = std::max(2 * pressed, StrainOf(region, graph));
     Kept oneWay = SetAside();
     MatchAnew(true);
     graph = std::move(from);
