@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The quality of a fit: distances from the target, and the share that has a counterpart.
 #include <vcg_ext/base/elementary.h>
+#include <vcg_ext/base/quantiles.h>
 #include <vcg_ext/fit.h>
 #include <vcg_ext/fit/fit_guess.h>
 #include <vcg_ext/fit/fit_matches.h>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/base/point_tree.h>
+#include <vcg_ext/base/quantiles.h>
 #include <vcg_ext/fit/fit_contradictions.h>
 #include <vcg_ext/fit/fit_matches.h>
 #include <vcg_ext/fit/fit_system.h>

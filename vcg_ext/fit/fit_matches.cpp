@@ -2,6 +2,7 @@
 #include <vcg_ext/base/elementary.h>
 #include <vcg_ext/base/parallel.h>
 #include <vcg_ext/base/point_tree.h>
+#include <vcg_ext/base/quantiles.h>
 #include <vcg_ext/fit/fit_matches.h>
 
 #include <algorithm>
@@ -35,22 +36,6 @@ constexpr double nearest = 1.5, farthest = 3;
 constexpr double deviation = 1.4826, mostOfMedian = 3 * deviation;
 
 } // namespace
-
-double Quantile(std::vector<double> values, double part) {
-    if (values.empty())
-        return 0;
-    const auto at = values.begin() + std::ptrdiff_t(part * double(values.size() - 1));
-    std::nth_element(values.begin(), at, values.end());
-    return *at;
-}
-
-double MeanOfSmallest(std::vector<double> values, double part) {
-    if (values.empty())
-        return 0;
-    const auto end = values.begin() + std::max<std::ptrdiff_t>(1, std::ptrdiff_t(part * double(values.size())));
-    std::nth_element(values.begin(), end - 1, values.end());
-    return std::accumulate(values.begin(), end, 0.0) / double(end - values.begin());
-}
 
 double SideOfNearest(const std::vector<double> &distance, const std::vector<double> &cosine) {
     const double near = Quantile(distance, 0.5);

@@ -97,12 +97,6 @@ class FitMatches {
     std::vector<Index> reaches;                  // with bothWays: of each of them, the nearest sample
 };
 
-/// The value at the fraction \p part of the sorted values; 0 if there are none.
-double Quantile(std::vector<double> values, double part);
-
-/// The mean of the smallest values: of the fraction \p part of all, and at least of one; 0 if there are none.
-double MeanOfSmallest(std::vector<double> values, double part);
-
 /// 1 if the normals of the nearer half of some points mostly agree with their matches', else -1.
 /// \param cosine between the normals of each point and its match; 0: unknown
 double SideOfNearest(const std::vector<double> &distance, const std::vector<double> &cosine);

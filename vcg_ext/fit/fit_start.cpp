@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/base/error.h>
 #include <vcg_ext/base/parallel.h>
+#include <vcg_ext/base/quantiles.h>
 #include <vcg_ext/base/rotation_fit.h>
 #include <vcg_ext/fit/fit_matches.h>
 #include <vcg_ext/fit/fit_start.h>
@@ -50,7 +51,8 @@ constexpr double better = 0.8;
 constexpr double farBetter = 0.5;
 // Of the diagonal: below this misfit, a shape is its own mirror image, and lies the right way round.
 constexpr double apart = 0.01;
-constexpr std::size_t few = 200; // points that are enough to tell
+constexpr std::size_t few = 200;   // points that are enough to tell
+constexpr double mostPoints = 0.8; // the share of them whose distances tell: limbs may be bent
 // Bending changes the radius by some percent. The fit itself finds smaller differences of size.
 constexpr double someSize = 0.1;
 constexpr int mostRounds = 30; // of MotionOfMost: a limb that is turned by 90 degrees takes twenty
@@ -76,7 +78,7 @@ double Misfit(const std::vector<Eigen::Vector3d> &points, const std::vector<Eige
                                (match.isOriented && (side == 0 ? cosine < 0 : cosine > 0) ? wrongSide : 1);
         }
     });
-    return std::min(MeanOfSmallest(std::move(far[0]), 0.8), MeanOfSmallest(std::move(far[1]), 0.8));
+    return std::min(MeanOfSmallest(std::move(far[0]), mostPoints), MeanOfSmallest(std::move(far[1]), mostPoints));
 }
 
 Moments MomentsOf(const std::vector<Eigen::Vector3d> &points) {

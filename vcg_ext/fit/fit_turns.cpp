@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/base/elementary.h>
 #include <vcg_ext/base/parallel.h>
+#include <vcg_ext/base/quantiles.h>
 #include <vcg_ext/base/rotation_fit.h>
 #include <vcg_ext/fit/fit_matches.h>
 #include <vcg_ext/fit/fit_turns.h>

@@ -113,13 +113,13 @@ class Matching {
     /// Tukey's biweight (Beaton and Tukey 1974): 0 beyond twice the distance within which four fifths are.
     std::vector<double> Weights() const {
         std::vector<double> found = WithCounterpart(far, share), weight;
-        const bool isAny = found.size() < far.size();
+        const bool isSome = found.size() < far.size();
         const auto at = found.begin() + std::ptrdiff_t(4 * found.size() / 5);
         std::nth_element(found.begin(), at, found.end());
         const double width = 2 * std::max(*at, 1e-9);
         for (std::size_t s = 0; s < far.size(); ++s)
             weight.push_back(
-                far[s] < width && (share[s] > 0 || !isAny) ? detail::Squared(1 - detail::Squared(far[s] / width)) : 0);
+                far[s] < width && (share[s] > 0 || !isSome) ? detail::Squared(1 - detail::Squared(far[s] / width)) : 0);
         return weight;
     }
 

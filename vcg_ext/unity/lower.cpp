@@ -3,6 +3,7 @@
 // where it is built, so that a compiler cache knows it anywhere.
 #include <vcg_ext/base/frame.cpp>               // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/base/parallel.cpp>            // NOLINT(bugprone-suspicious-include)
+#include <vcg_ext/base/quantiles.cpp>           // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/base/rotation_fit.cpp>        // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/base/words.cpp>               // NOLINT(bugprone-suspicious-include)
 #include <vcg_ext/contact/crossing_faces.cpp>   // NOLINT(bugprone-suspicious-include)

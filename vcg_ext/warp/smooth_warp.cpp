@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/base/point_tree.h>
+#include <vcg_ext/base/quantiles.h>
 #include <vcg_ext/warp/smooth_warp.h>
 
 #include <Eigen/Dense>
@@ -163,16 +164,9 @@ class NormalEquations {
     Eigen::VectorXd right;
 };
 
-} // namespace
+constexpr double mostMatches = 0.8; // the share of the matches that tells how well they are
 
-double MeanOfMost(std::vector<double> far) {
-    const std::size_t count = std::max<std::size_t>(1, 4 * far.size() / 5);
-    std::sort(far.begin(), far.end());
-    double sum = 0;
-    for (std::size_t i = 0; i < std::min(count, far.size()); ++i)
-        sum += far[i];
-    return sum / double(count);
-}
+} // namespace
 
 std::vector<double> WithCounterpart(const std::vector<double> &far, const std::vector<double> &share) {
     std::vector<double> found;
@@ -184,7 +178,7 @@ std::vector<double> WithCounterpart(const std::vector<double> &far, const std::v
 
 double MisfitOf(const std::vector<double> &far, const std::vector<double> &share) {
     const std::vector<double> found = WithCounterpart(far, share);
-    return MeanOfMost(found) * double(far.size()) / double(std::max<std::size_t>(found.size(), 1));
+    return MeanOfSmallest(found, mostMatches) * double(far.size()) / double(std::max<std::size_t>(found.size(), 1));
 }
 
 SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *report) {
@@ -279,7 +273,7 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *r
                 const Eigen::Matrix3d cofactors = linear.determinant() * linear.inverse().transpose();
                 normal[s] = (cofactors * goal.normal[s]).stableNormalized();
             }
-            if (moved <= std::max(still, goal.rest * MeanOfMost(far)))
+            if (moved <= std::max(still, goal.rest * MeanOfSmallest(far, mostMatches)))
                 break;
         }
     }

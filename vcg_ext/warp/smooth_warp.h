@@ -83,9 +83,6 @@ struct WarpReport {
 /// such weights, too. The more noise is left, the less the warp bends. \throw Cancelled
 SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress = {}, WarpReport *report = nullptr);
 
-/// The mean of the smallest four fifths.
-double MeanOfMost(std::vector<double> far);
-
 /// The distances of the places that have a counterpart (a share above 0). All of them if fewer than half have one, as
 /// where a surface is in pieces that end everywhere.
 std::vector<double> WithCounterpart(const std::vector<double> &far, const std::vector<double> &share);
