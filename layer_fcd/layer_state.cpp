@@ -33,7 +33,7 @@ using StateLayout =
 #endif
            >;
 
-/// The mesh tells its state through this attribute where vertices go. It has no memory, since hosts do not free
+/// Through this attribute, the mesh tells its state where vertices go. It has no memory, since hosts do not free
 /// attributes of a deleted mesh, and no name, since filters of the host read values from the first attribute with one.
 template <class Layout>
 class Attribute final : public host::Follower {

@@ -266,7 +266,8 @@ double BendReach::findClosingRadius(std::size_t slot, double usual) {
                 area += surface->nodeArea[std::size_t(ball[i])];
         return area >= leastGirth * radius * lengthOfGirth * radius;
     };
-    // Shrinks the ball: its nodes join the parts outside. Once two meet, none smaller cuts off that of less reach.
+    // Shrinks the ball: its nodes join the parts outside. Once two meet, no smaller ball cuts off
+    // the one of less reach.
     const double most = usual / surface->frame.scale;
     double cut = 0;
     for (std::size_t k = ball.size(); k-- > 0;) {

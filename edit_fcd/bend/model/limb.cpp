@@ -243,14 +243,15 @@ std::vector<Index> BendReach::upToTip(Index from, const BendExtent &grip) const 
     });
 }
 
-/// Cross-sections of a limb, each at one distance from its tip, from there on.
+/// Cross-sections of a limb, from its tip: each at one distance from it.
 struct BendReach::Sections {
-    std::vector<std::size_t> of; ///< number of that of each node, if it was met
+    std::vector<std::size_t> of; ///< of each node, if it was met: the number of its section
     std::vector<float> area;
     std::vector<Eigen::Vector4d> sum; ///< of area times place, and of area
 };
 
-/// Those up to a node, and on to the first that is no limb's. \param length of each \param most area of a limb
+/// The cross-sections from the tip up to that of a node, and on to the first that is too large for a limb.
+/// \param length of each \param most area of a limb
 BendReach::Sections BendReach::sectionsFrom(Index tip, Index upTo, double length, float most) const {
     const std::size_t none = std::numeric_limits<std::size_t>::max();
     Sections sections{std::vector<std::size_t>(std::size_t(graph().Size()), none), {}, {}};
@@ -271,7 +272,8 @@ BendReach::Sections BendReach::sectionsFrom(Index tip, Index upTo, double length
     return sections;
 }
 
-/// The same for a vertex of the limb, if something of it lies beyond. \param pointed the vertex that is to turn
+/// The vertex of a limb at which it turns, for one of its vertices; none if nothing of the limb lies beyond, or more
+/// than a limb would turn. \param pointed the vertex that is to turn
 std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double radius, const Pointed &pointed) {
     const Index own = surface->nodeOf[slot];
     const auto grip = whole({slot}, radius, pointed.hair);

@@ -45,7 +45,8 @@ BendInfluence influenceOf(const BendState &state, const BendGround &ground,
 /// The gap of the usual radius, world units.
 inline double usualGap(double diagonal) { return gapOfRadius * usualRadius * diagonal; }
 
-/// The state of a bend, its options and consequences. Functions here change only these data; BendSession, layers.
+/// The state of a bend, its options and consequences. Functions here change these data only; BendSession changes
+/// layers.
 struct BendModel {
     BendState state;
     BendOptions options;

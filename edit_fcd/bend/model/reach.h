@@ -91,10 +91,11 @@ class BendReach {
     /// \param source called when the surface is first needed
     explicit BendReach(Source source) : source(std::move(source)) {}
 
-    /// Begins to read the surface at rest in the background. All questions below wait for it. \return none would wait
+    /// Begins to read the surface at rest in the background. All questions below wait for it.
+    /// \return whether it is read
     bool begin();
     void clear() { *this = BendReach(std::move(source)); }
-    bool isRead() const; ///< no question would wait
+    bool isRead() const;
     /// Gives glance() all detail near a vertex, where it would miss a finger. Takes some milliseconds.
     void lookAt(std::size_t slot);
     /// The same on a surface that is coarser away from there, in a few milliseconds: to show while the mouse moves.
