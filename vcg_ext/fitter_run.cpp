@@ -31,6 +31,10 @@ constexpr double mostUnreached = 0.002;
 constexpr std::size_t endPlaces = 6000;
 constexpr double endSpacing = 0.02, endElsewhere = 0.05, endsLead = 0.5;
 
+// The misfit of a mirror image, over that of the surface, up to which it lies as near: bending alone makes some
+// percent.
+constexpr double noFarther = 1.25;
+
 } // namespace
 
 Fitter::Run::Run(const Fitter &fitter, const FitTarget &target, const std::vector<Landmark> &landmark,
@@ -153,8 +157,8 @@ void Fitter::Run::TryEnds(const Progress &progress) {
     ends.clear();
 }
 
-/// Tries matching both ways; keeps it if it reaches nearly all of the target, more of the surface lies on it, and it
-/// does not strain the surface as if it lay turned: where both are parts, it would be drawn over what it lacks.
+/// Tries matching both ways; keeps it if it reaches nearly all of the target, and more of the surface lies on it. If
+/// half of it did before, the strain must not be as if it lay turned: a part would be drawn over what it lacks.
 void Fitter::Run::TryBothWays(GraphPose from, const Progress &progress) {
     const double most = std::max(2 * pressed, StrainOf(region, graph));
     Kept oneWay = SetAside();
@@ -162,7 +166,7 @@ void Fitter::Run::TryBothWays(GraphPose from, const Progress &progress) {
     graph = std::move(from);
     Soften(progress);
     report.bothWays = matches->Unreached() <= mostUnreached && report.matched > oneWay.report.matched &&
-                      StrainOf(region, graph) <= most;
+                      (StrainOf(region, graph) <= most || oneWay.report.matched < half);
     if (!report.bothWays)
         TakeBack(std::move(oneWay));
 }
@@ -210,8 +214,10 @@ void Fitter::Run::TryWithout(const std::vector<Contradiction> &doubted, const Pr
 /// Meets the landmarks, carries the parts that nothing leads, and measures.
 void Fitter::Run::Finish(const Progress &progress) {
     report.insideOut = matches->IsInsideOut();
-    if (report.insideOut && !report.converged && place.empty()) // as if mirrored by negating a coordinate
-        report.mirrored = report.mirrored || IsMirrored(samples.Places(matched, asItLies), target, threads);
+    // As if mirrored by negating a coordinate, unless the surface lies nearer than its mirror image can.
+    if (report.insideOut && !report.converged && place.empty() && report.matched > half)
+        report.mirrored =
+            report.mirrored || MirrorMisfit(samples.Places(matched, asItLies), target, threads) < noFarther;
     if (!isAlone) {
         parts.Judge(
             *matches, [&](std::size_t s) { return fitter.IsOn(*matches, s, report); }, leads);

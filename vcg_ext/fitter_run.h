@@ -42,6 +42,8 @@ class Fitter::Run {
     // A fit that strains the edges by more (rms) may lie wrong. Shapes made by formula had 0.36 and more if they lay
     // turned, a head that lay turned by 60 degrees 0.23, and a hand with touching fingers that lay right 0.19.
     static constexpr double pressed = 0.2;
+    // A fit with less than this share of the surface on the target may have missed it, or the target is a part.
+    static constexpr double half = 0.5;
 
     /// A fit that is set aside while another one is tried.
     struct Kept {

@@ -21,8 +21,6 @@ constexpr double unstrained = 0.1;
 // Other starts are also tried if the edges grow or shrink by more than this share: the target has another size. Of
 // shapes made by formula and bent by up to 80 degrees, the right size let them grow by 0.005 at most.
 constexpr double grows = 0.1;
-// A fit with less than this share of the surface on the target may have missed it, or the target is a part.
-constexpr double half = 0.5;
 
 } // namespace
 

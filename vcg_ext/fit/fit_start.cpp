@@ -238,7 +238,7 @@ GraphPose Moved(GraphPose pose, const Eigen::Affine3d &motion) {
     return pose;
 }
 
-bool IsMirrored(const std::vector<Eigen::Vector3d> &points, const FitTarget &target, unsigned threads) {
+double MirrorMisfit(const std::vector<Eigen::Vector3d> &points, const FitTarget &target, unsigned threads) {
     const auto least = [&](const std::vector<Eigen::Vector3d> &from) {
         const std::vector<Alignment> best = FitTurns(from, {}, target).Best(1, OntoAxes(from, target, false), threads);
         return best.empty() ? 0 : best.front().misfit;
@@ -246,7 +246,7 @@ bool IsMirrored(const std::vector<Eigen::Vector3d> &points, const FitTarget &tar
     std::vector<Eigen::Vector3d> image = points;
     for (Eigen::Vector3d &p : image)
         p[0] = -p[0];
-    return least(image) < farBetter * least(points);
+    return least(image) / std::max(least(points), 1e-12);
 }
 
 FitPlacement PlacementOf(const std::vector<Eigen::Vector3d> &points, const FitTarget &target, unsigned threads) {
@@ -280,7 +280,8 @@ FitPlacement PlacementOf(const std::vector<Eigen::Vector3d> &points, const FitTa
         return misfit;
     };
     const double turned = std::min(least(false), Misfit(some, {}, Eigen::Affine3d::Identity(), target, threads));
-    placement.mirrored = turned > apart && least(true) < farBetter * turned && IsMirrored(points, target, threads);
+    placement.mirrored =
+        turned > apart && least(true) < farBetter * turned && MirrorMisfit(points, target, threads) < farBetter;
     return placement;
 }
 

@@ -68,10 +68,10 @@ struct FitPlacement {
     double median = 0;     ///< median distance of the points from the target, frame units
     double larger = 1;     ///< the target's radius over that of the points
     double flatness = 0;   ///< of the points: rms extent across their plane over that along their main direction
-    bool mirrored = false; ///< IsMirrored
+    bool mirrored = false; ///< the target is the mirror image: the mirrored points fit far better than rotated ones
 };
-/// Whether the mirror image of points, however it is turned, lies far nearer to the target than the points can.
-bool IsMirrored(const std::vector<Eigen::Vector3d> &points, const FitTarget &target, unsigned threads);
+/// The least distance of the mirror image of points from the target, however it is turned, over that of the points.
+double MirrorMisfit(const std::vector<Eigen::Vector3d> &points, const FitTarget &target, unsigned threads);
 
 FitPlacement PlacementOf(const std::vector<Eigen::Vector3d> &points, const FitTarget &target, unsigned threads);
 
