@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace vcg::fcd {
 
@@ -88,7 +89,7 @@ class Matching {
         if (next.normal.dot(plane.normal) < 0)
             next.normal = -next.normal;
         const double moved = (next.normal - plane.normal).norm() + std::abs(plane.Above(next.point));
-        plane = next;
+        plane = std::move(next);
         Match();
         return moved;
     }
