@@ -7,7 +7,7 @@
 #include <QPainter>
 #include <QPixmap>
 
-static QIcon drawn(const std::function<void(QPainter &)> &draw) {
+static QIcon iconOf(const std::function<void(QPainter &)> &draw) {
     QPixmap pixmap(64, 64);
     pixmap.fill(Qt::transparent);
     QPainter painter(&pixmap);
@@ -45,7 +45,7 @@ static void drawFit(QPainter &painter) {
     draw(blue, QRectF(8, 32, 48, 44), {{18, 44}, {46, 44}});
 }
 
-EditFcd::EditFcd() : bend(announce(drawn(drawBend), "FCD: Bend")), fit(announce(drawn(drawFit), "FCD: Fit")) {}
+EditFcd::EditFcd() : bend(announce(iconOf(drawBend), "FCD: Bend")), fit(announce(iconOf(drawFit), "FCD: Fit")) {}
 
 HostEditTool *EditFcd::makeTool(QAction *action) const {
     if (action == fit)
