@@ -16,7 +16,7 @@ UNSEEN = {
     "The mesh has more than two thousand million edges": "takes more memory than the machines that run the tests have",
     "The deformation graph's system cannot be factorised.": "the system is positive definite; a guard for rounding",
     "Half of the way to the mirror image cannot be found": "the system is positive definite; a guard for rounding",
-    "' has no vertices, so there is nothing to bend": "MeshLab opens no layer without vertices",
+    " has no vertices, so there is nothing to bend": "MeshLab opens no layer without vertices",
     "Unknown filter": "a host only asks for the filters that it was told about",
     "Unknown source of tags": "parameters with other numbers are refused before",
     "Something that is not a standard exception": "nothing throws one",
