@@ -61,7 +61,7 @@ double Off(const Shape &shape, const Shape &target, const Eigen::Affine3d &away,
     for (const Alignment &alignment : alignments)
         EXPECT_LE(alignments.front().misfit, alignment.misfit);
     if (scale == 1)
-        EXPECT_LT(alignments.front().misfit, 0.6 * turns.Misfit(Eigen::Affine3d::Identity()));
+        EXPECT_LT(alignments.front().misfit, 0.5 * turns.Misfit(Eigen::Affine3d::Identity()));
     return std::sqrt(squares / double(shape.position.size()));
 }
 
@@ -88,7 +88,7 @@ TEST(FitTurns, LayASurfaceOntoAPartOfIt) {
 // Each has what the other lacks.
 TEST(FitTurns, LayAPartOntoAnotherPart) {
     const Shape egg = Above(Egg(40), -0.1, 0);
-    for (const double radians : {0.7, 1.6, 2.2, 2.8}) {
+    for (const double radians : {1.6, 2.2, 2.8}) {
         const Eigen::Affine3d away(Eigen::AngleAxisd(radians, Vector3d(1, 2, -1).normalized()));
         EXPECT_LT(Off(egg, Above(Egg(47), -0.08, 1), away), 0.01) << radians;
     }

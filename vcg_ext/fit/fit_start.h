@@ -70,6 +70,7 @@ struct FitPlacement {
     double flatness = 0;   ///< of the points: rms extent across their plane over that along their main direction
     bool mirrored = false; ///< the target is the mirror image: the mirrored points fit far better than rotated ones
 };
+
 /// The least distance of the mirror image of points from the target, however it is turned, over that of the points.
 double MirrorMisfit(const std::vector<Eigen::Vector3d> &points, const FitTarget &target, unsigned threads);
 
