@@ -1208,10 +1208,12 @@ TEST(Fit, TellsOtherUnitsAndMirrorImages) {
     EXPECT_TRUE(Fit(hand, mirrored, param).report.mirrored);
     EXPECT_FALSE(Fit(hand, hand, param).report.mirrored);
     EXPECT_FALSE(Fit(source, target, param).report.mirrored);
-    Shape turnedOver = target;
+    for (Vector3d &p : hand.position) // much farther from its mirror images than bending brings it
+        p[2] += p[1] < 3 ? 0.2 * p[0] : 0;
+    Shape turnedOver = Rolled(hand, 0.02);
     for (auto &face : turnedOver.face)
         std::swap(face[1], face[2]);
-    const FitReport notAtRest = Fit(source, turnedOver, param).report;
+    const FitReport notAtRest = Fit(hand, turnedOver, param).report;
     EXPECT_TRUE(notAtRest.insideOut);
     EXPECT_FALSE(notAtRest.converged);
     EXPECT_FALSE(notAtRest.mirrored);
