@@ -345,6 +345,39 @@ TEST(BendModel, ABentLimbTurnsWhereItIsBent) {
     EXPECT_LT(fromRoot(60, false, 0, 0.3), 0.25) << "the upper arm";
 }
 
+TEST(BendModel, AStraightLimbWithAHandOrAFootHasAnElbow) {
+    // Arms from x = 0.05 on, .12 thick, without a hand, with one as wide as 1.5 of it, and with a foot to the side.
+    enum class End { None, Hand, Foot };
+    const auto jointFrom = [](End end, double x, int nearer = 0) {
+        const auto thick = [&](double at) {
+            const double hand = end == End::Hand && at > 0.82 && at < 0.98 ? 0.03 : 0;
+            return at < 0 ? 0.24 : at < 0.05 ? 0.24 - 3.6 * at : 0.06 + hand;
+        };
+        Shape figure = Limb(1, 400, {0, 0, 0}, 1, 32);
+        for (Eigen::Vector3d &p : figure.position) {
+            const double across = thick(p[0]), beyond = end == End::Foot ? p[0] - 0.85 : 0; // the foot goes along y
+            p = beyond > 0 ? Eigen::Vector3d(0.85 + across * p[1], -beyond, across * p[2])
+                           : Eigen::Vector3d(p[0], across * p[1], across * p[2]);
+        }
+        Bent bent(figure);
+        const auto slot = std::size_t((x + 1) / 2 * 399) * 32;
+        const auto root = bent.reach.rootOfLimb(slot, 0.3, 0.01, nearer);
+        EXPECT_TRUE(root) << x;
+        const auto extent = bent.reach.whole({root.value_or(0)}, bent.reach.radiusAt(root.value_or(0), 0.3), 0.01);
+        EXPECT_TRUE(extent->joint) << x;
+        return extent->joint ? (*extent->joint)[0] : -1.;
+    };
+    for (const double x : {0.55, 0.65, 0.75, 0.9}) {
+        EXPECT_LT(jointFrom(End::None, x), 0.2) << x << ": a tail";
+        EXPECT_NEAR(jointFrom(End::Hand, x), 0.05 + 3. / 7 * 0.95, 0.1) << x << ": the elbow";
+        EXPECT_LT(jointFrom(End::Hand, x, BendReach::wholeLimb), 0.2) << x << ": the shoulder";
+    }
+    for (const double x : {0.55, 0.65, 0.75})
+        EXPECT_NEAR(jointFrom(End::Foot, x), 0.05 + 3. / 7 * 0.95, 0.1) << x << ": the knee";
+    EXPECT_LT(jointFrom(End::Hand, 0.25), 0.2) << "the upper arm";
+    EXPECT_LT(jointFrom(End::Foot, 0.25), 0.2) << "the thigh";
+}
+
 TEST(BendModel, AnswersDoNotDependOnEarlierQuestions) {
     const Shape limb = Limb(0.08, 200, {0, 0, 0}, 1, 24);
     Bent used(limb);

@@ -47,8 +47,16 @@ const std::size_t leastSections = 2 * std::size_t(binsOfThickness);
 
 // A limb has a joint where the line through the middles of its sections turns by this many degrees from one thickness
 // to the next, and by less than restOfBend of that a thickness before and behind. A straight limb seems to turn by up
-// to 9; a tail that is bent all along, by up to 20, but as much beside. An elbow shows two thirds of its bend.
-const double leastBend = 18, restOfBend = 0.7;
+// to 9; a tail that is bent all along, by up to 20, but as much beside. An elbow shows two thirds of its bend. Within
+// two thicknesses from the tip it must be footBend: the rim of a tube that is cut off seems to turn by 27, a foot
+// by 43.
+const double leastBend = 18, restOfBend = 0.7, footBend = 35;
+
+// Where a straight limb with a hand or a foot bends: at this share of it, from its tip. It is .577 for human arms and
+// .54 for legs down to the sole (segment lengths of Drillis and Contini 1966). Each part has at least so many
+// thicknesses: room for a handle, whose radius is two, and for half of the strip that bends. An arm has eight in all, a
+// leg seven.
+const double elbowAt = 4. / 7, leastPart = 2.5;
 
 // A vertex is pointed if the area within the usual radius is less than this share of a flat disc's. The corner of a
 // cube has 0.75 of it, the tip of a cone with an angle of 80 degrees 0.64.
@@ -208,26 +216,45 @@ static std::size_t lastSection(const std::vector<float> &area, std::size_t start
     return slowEnd && !isThick(end + 1) ? *slowEnd : end;
 }
 
-/// The first section with a joint, of those between two; none if there is none. \param sum of sections, from the tip
-/// on: of area times place, and of area
-static std::optional<std::size_t> jointBetween(std::size_t start, std::size_t end,
-                                               const std::vector<Eigen::Vector4d> &sum) {
-    const std::size_t away = binsOfThickness;
+/// Tells whether a limb narrows on the way from its tip to a section, as beyond a hand. \param area of sections
+static bool narrows(const std::vector<float> &area, std::size_t upTo) {
+    const std::vector<float> smooth = smoothed(area);
+    float most = 0;
+    for (std::size_t k = 0; k < upTo; ++k) {
+        most = std::max(most, smooth[k]);
+        if (most > slowlyThicker * smooth[k])
+            return true;
+    }
+    return false;
+}
+
+/// The section at which a limb turns, for one of its sections: the next one that is bent, or the last one, or before it
+/// an elbow. \param end the last section of the limb \param area, sum as of Sections
+static std::size_t jointBeyond(std::size_t start, std::size_t end, const std::vector<float> &area,
+                               const std::vector<Eigen::Vector4d> &sum) {
+    const std::size_t away = binsOfThickness, least(leastPart * binsOfThickness);
     std::vector<Eigen::Vector3d> middle;
     middle.reserve(sum.size());
     for (std::size_t k = 0; k < sum.size(); ++k)
         middle.emplace_back((sum[k - (k > 0)] + sum[k] + sum[std::min(k + 1, sum.size() - 1)]).hnormalized());
     const auto bendAt = [&](std::size_t k) {
+        if (k < away)
+            return 0.;
         const Eigen::Vector3d to = middle[k] - middle[k - away], from = middle[k + away] - middle[k];
         return std::atan2(to.cross(from).norm(), to.dot(from)) * 180 / double(EIGEN_PI);
     };
-    for (std::size_t k = std::max(start + 1, 2 * away); k + 1 < end && k + 2 * away < sum.size(); ++k) {
-        const double own = bendAt(k);
-        if (own >= leastBend && own >= bendAt(k - 1) && own >= bendAt(k + 1) && bendAt(k - away) < restOfBend * own &&
-            bendAt(k + away) < restOfBend * own)
-            return k;
-    }
-    return {};
+    const auto isBent = [&](std::size_t k) {
+        const double own = bendAt(k), rest = restOfBend * own;
+        return own >= std::max({k < 2 * away ? footBend : leastBend, bendAt(k - 1), bendAt(k + 1)}) &&
+               bendAt(k - away) < rest && bendAt(k + away) < rest;
+    };
+    std::size_t before = 0, last = end;
+    for (std::size_t k = away; k + 1 < end && k + 2 * away < sum.size() && last == end; ++k)
+        if (isBent(k))
+            (k <= start ? before : last) = k;
+    const std::size_t elbow(elbowAt * double(last));
+    const bool hasRoom = start < elbow && before < least && last - elbow >= least && end - last < least;
+    return hasRoom && (before > 0 || narrows(area, elbow)) ? elbow : last;
 }
 
 /// The nodes of a part, nearest to one of them first, up to the last that lies beyond a handle; none if nothing does.
@@ -286,7 +313,7 @@ std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double radius
     const std::size_t start = sections.of[std::size_t(own)];
     std::size_t root = lastSection(sections.area, start, most);
     if (pointed.nearer != wholeLimb)
-        root = jointBetween(start, root, sections.sum).value_or(root);
+        root = jointBeyond(start, root, sections.area, sections.sum);
     // The joint of a handle is about the limb's thickness away from it. If that turns more than the limb, such as a
     // leg with the tail, another one is tried, towards the end.
     const std::size_t away = binsOfThickness * std::size_t(1 + std::max(0, pointed.nearer));

@@ -117,11 +117,11 @@ class BendReach {
     double radiusAt(std::size_t slot, double usual);
 
     static constexpr int wholeLimb = -1;
-    /// The vertex whose handle turns the limb of another vertex: near the next joint towards the body, where the limb
-    /// is bent, or near its root, where it becomes clearly thicker. It is the same for all vertices from there to the
-    /// end. Where a vertex would hardly turn with it, it is the vertex itself; none on no limb. \param usual as in
-    /// radiusAt() \param hair as in looseAmong() \param nearer how many thicknesses of the limb nearer to its end, at
-    /// most to the vertex; wholeLimb: at the root, whatever is bent
+    /// The vertex whose handle turns the limb of another vertex: near the next joint towards the body. A limb has a
+    /// joint where it is bent, one where an elbow would be, if it is straight and has a hand or a foot, and one at its
+    /// root, where it becomes clearly thicker. Where a vertex would hardly turn with it, it is the vertex itself; none
+    /// on no limb. \param usual as in radiusAt() \param hair as in looseAmong() \param nearer how many thicknesses of
+    /// the limb nearer to its end, at most to the vertex; wholeLimb: at the root
     std::optional<std::size_t> rootOfLimb(std::size_t slot, double usual, double hair, int nearer = 0);
 
     /// The extent of a handle that turns the limb beyond the vertex \p from, towards \p to: it bends at \p from, in a
