@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Solves a deformation on a thinned scan: landmarks of a survey, and where they belong, to a file for warp_las.py.
 
-    python solve_thinned.py LANDMARKS.csv bend.ply SPACING TILE.laz...
+    python solve_thinned.py LANDMARKS.csv bend.ply SPACING [--accuracy NUMBER] TILE.laz...
 
-Each line of LANDMARKS.csv is a landmark: x, y, z, and where it belongs, x, y, z. A landmark that stays has the same place twice. The
-program reads tiles in chunks, and keeps one point in each cube with sides of SPACING. Take a fraction of the distance between landmarks:
-some ten thousand points are plenty. Each landmark moves the kept point that is nearest to it. Needs laspy and pymeshlab_fcd."""
+Each line of LANDMARKS.csv is a landmark: x, y, z, and where it belongs, x, y, z. A landmark that stays has the same place twice. Tiles are
+LAS, LAZ or PLY files. The program keeps one point in each cube with sides of SPACING. Take a fraction of the distance between landmarks:
+some ten thousand points are plenty. Each landmark moves the kept point that is nearest to it. --accuracy is how far bend.ply may be off at
+a kept point. The program reads LAS and LAZ in chunks, and a PLY file at once. Needs laspy and pymeshlab_fcd."""
 from __future__ import annotations
 
 import re
 import sys
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import laspy
@@ -19,7 +20,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 import pymeshlab_fcd
+from pymeshlab_fcd._ply import Ply
 from warp_las import chunks, columns
+
+
+def points_of(tile: str, chunk: int) -> Iterator[NDArray[np.float64]]:
+    """The points of a tile, so many at a time; those of a PLY file at once, without those that have no place."""
+    if tile.lower().endswith(".ply"):
+        points = Ply(tile).vertices
+        yield points[np.isfinite(points).all(1)]
+        return
+    try:
+        with laspy.open(tile) as reader:
+            for each in chunks(reader, chunk):
+                yield columns(each, "xyz")
+    except Exception as error:  # whatever laspy finds in it
+        raise ValueError(f"{tile}: {error or type(error).__name__}") from error
 
 
 def thinned(tiles: Iterable[str], spacing: float, chunk: int = 1_000_000) -> NDArray[np.float64]:
@@ -28,16 +44,11 @@ def thinned(tiles: Iterable[str], spacing: float, chunk: int = 1_000_000) -> NDA
         raise ValueError(f"the spacing must be a positive number; it is {spacing}")
     cells, kept = np.zeros((0, 3), np.int64), np.zeros((0, 3))
     for tile in tiles:
-        try:
-            with laspy.open(tile) as reader:
-                for points in chunks(reader, chunk):
-                    xyz = columns(points, "xyz")
-                    cells = np.concatenate([cells, np.floor(xyz / spacing).astype(np.int64)])
-                    kept = np.concatenate([kept, xyz])
-                    cells, first = np.unique(cells, axis=0, return_index=True)
-                    kept = kept[first]
-        except Exception as error:  # whatever laspy finds in it
-            raise ValueError(f"{tile}: {error or type(error).__name__}") from error
+        for points in points_of(tile, chunk):
+            cells = np.concatenate([cells, np.floor(points / spacing).astype(np.int64)])
+            kept = np.concatenate([kept, points])
+            cells, first = np.unique(cells, axis=0, return_index=True)
+            kept = kept[first]
     return kept
 
 
@@ -80,17 +91,21 @@ def tell_doubts(starts: NDArray[np.float64], points: NDArray[np.float64], spacin
                   file=sys.stderr)
 
 
-def main(landmarks: str, target: str, spacing: str, *tiles: str) -> None:
-    side = number_of(spacing, "the spacing, a number before the tiles,")
+def main(landmarks: str, target: str, spacing: str, *rest: str) -> None:
+    side, tiles, accuracy = number_of(spacing, "the spacing, a number before the tiles,"), list(rest), 0.0
+    if "--accuracy" in tiles:
+        at = tiles.index("--accuracy")
+        accuracy = number_of("".join(tiles[at + 1:at + 2]), "a number after --accuracy")
+        del tiles[at:at + 2]
     starts, ends = read(landmarks)
     points = thinned(tiles, side)
     if len(points):
         tell_doubts(starts, points, side)
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", r"Landmark \d+, counted from 0", pymeshlab_fcd.LandmarkWarning)  # told, by the number of its line
-        bend = pymeshlab_fcd.deformation(points, points=starts, landmarks=ends)
+        bend = pymeshlab_fcd.deformation(points, points=starts, landmarks=ends, accuracy=accuracy)
     bend.save(target)
-    print(len(points), "points kept,", bend)
+    print(f"{len(points)} points kept; {target} is off by {bend.largest_difference:.3g} at most at these")
 
 
 if __name__ == "__main__":

@@ -146,6 +146,7 @@ def test_landmarks_solved_on_thinned_tiles(tiles, tmp_path):
     done = subprocess.run([sys.executable, str(EXAMPLES / "solve_thinned.py"), str(tmp_path / "landmarks.csv"), str(tmp_path / "bend.ply"), "2",
                            *map(str, tiles)], text=True, stdout=subprocess.PIPE, timeout=300)
     assert done.returncode == 0 and 2000 < int(done.stdout.split()[0]) < 8000
+    assert "bend.ply is off by " in done.stdout
     bend = pymeshlab_fcd.Deformation.load(tmp_path / "bend.ply")
     at = np.array([[50, 50, height(50, 50)], [85, 50, height(85, 50)], [67, 50, height(67, 50)]]) + ORIGIN
     moved = bend(at) - at
@@ -153,6 +154,7 @@ def test_landmarks_solved_on_thinned_tiles(tiles, tmp_path):
     less.write_bytes(tiles[0].read_bytes()[:-1000 * laspy.open(tiles[0]).header.point_format.size])
     for wrong, said in ((["0", str(tiles[0])], "the spacing must be a positive number; it is 0.0."),
                         ([str(tiles[0]), str(tiles[1])], f"the spacing, a number before the tiles, is expected; there is '{tiles[0]}'."),
+                        (["2", str(tiles[0]), "--accuracy"], "a number after --accuracy is expected; there is ''."),
                         (["2", str(tiles[1]), str(less)], f"{less}: it is cut short: it has 19000 of its 20000 points.")):
         done = subprocess.run([sys.executable, str(EXAMPLES / "solve_thinned.py"), str(tmp_path / "landmarks.csv"), str(tmp_path / "no.ply"), *wrong],
                               text=True, stderr=subprocess.PIPE, timeout=300)
@@ -164,6 +166,27 @@ def test_landmarks_solved_on_thinned_tiles(tiles, tmp_path):
     with pytest.raises(ValueError, match="a number in landmark 2 of .*word.csv is expected; there is '3m'"):
         read(str(tmp_path / "word.csv"))
     assert abs(moved[0, 2] + 2) < 0.2 and abs(moved[1, 2]) < 0.1 and -1.9 < moved[2, 2] < -0.1
+
+
+def write_cloud(path, points):
+    path.write_bytes(f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n".encode() +
+                     b"property double x\nproperty double y\nproperty double z\nend_header\n" + points.astype("<f8").tobytes())
+    return path
+
+
+def test_tiles_in_ply_give_what_those_in_las_give(tiles, tmp_path):
+    """The same landmarks and the same points; one point more has no place, as of a depth camera."""
+    places = np.array([[10, 10], [90, 10], [10, 90], [90, 90], [50, 50.0]])
+    start = np.column_stack([places, height(*places.T)]) + ORIGIN
+    np.savetxt(tmp_path / "landmarks.csv", np.hstack([start, start - ([[0, 0, 0]] * 4 + [[0, 0, 3]])]), "%.4f", ",")
+    clouds = [write_cloud(tmp_path / f"{tile.stem}.PLY", np.vstack([xyz(laspy.read(tile)), [[np.nan] * 3]])) for tile in tiles]
+    for given, accuracy, name in ((tiles, "0.02", "las"), (clouds, "0.02", "ply"), (clouds, "0.002", "near")):
+        subprocess.run([sys.executable, str(EXAMPLES / "solve_thinned.py"), str(tmp_path / "landmarks.csv"), str(tmp_path / name), "2",
+                        "--accuracy", accuracy, *map(str, given)], check=True, timeout=300)
+    las, ply, near = ((tmp_path / name) for name in ("las", "ply", "near"))
+    assert las.read_bytes() == ply.read_bytes()
+    assert 0.002 < pymeshlab_fcd.Deformation.load(ply).largest_difference <= 0.02
+    assert pymeshlab_fcd.Deformation.load(near).largest_difference <= 0.002
 
 
 def test_landmarks_beside_the_survey_and_too_few_points_are_told(capsys):
