@@ -241,7 +241,7 @@ void ask(Fields &fields, TagParam &param) {
                     "replaced. <b>Empty</b> (the default): none is written.");
     fields.saveFile(
         "save_transform_file", param.save.transformFile, Shown::Advanced, "*.def", "Write motions to (.def)",
-        "The file to write the motions below to: a 4x4 matrix for each handle, in world coordinates, for handle 2, 3, "
+        "The file to write 'Motions as text' to: a 4x4 matrix for each handle, in world coordinates, for handle 2, 3, "
         "and so on. An existing file is replaced. <b>Empty</b> (the default): none is written.");
     askMotionText(fields, param.save.handles);
     if (fields.areRead())

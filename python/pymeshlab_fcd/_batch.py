@@ -343,10 +343,9 @@ def _write_mean(files: Sequence[Path], out: Path, scaled: bool) -> None:
 
 def _parsers() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.ArgumentParser]]:
     """The parser of the command, and those of its jobs."""
-    parser = argparse.ArgumentParser(prog="python -m pymeshlab_fcd", description="Does one job on many files. What the folder of the results "
-                                     "has already, of the same files and options, is left; a table there has a row for each file, with its "
-                                     "figures and warnings. The status is 0 where all files are done, 1 where some could not be, 2 where the "
-                                     "command is wrong.")
+    parser = argparse.ArgumentParser(prog="python -m pymeshlab_fcd", description="Does one job on many files. A table in the folder of the "
+                                     "results has a row for each file, with its figures and warnings. Run the same command again, and it does only "
+                                     "what is not done yet. The status is 0 if all files are done, 1 if a file failed, 2 if the command is wrong.")
     jobs = parser.add_subparsers(dest="job", required=True, metavar="JOB")
 
     texts = {"FILE": "a PLY file", "SCAN": "a PLY file, or, with trimesh, another one that it reads", "TEMPLATE": "a PLY file", "NOMINAL": "a PLY file",
@@ -357,63 +356,64 @@ def _parsers() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.ArgumentP
         for each in own:
             made.add_argument(each.lower(), metavar=each, help=texts[each])
         made.add_argument("files", nargs="+", metavar=files, help=texts[files])
-        made.add_argument("--out", required=name != "info", metavar="FOLDER", help="where results and table (JOB.csv) go")
-        made.add_argument("--processes", type=int, default=1, help="how many files are done at a time (default: 1, with all cores)")
-        made.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster that does the files instead, a file a task; its workers see the "
-                          "same folders")
-        made.add_argument("--again", action="store_true", help="also do what is done")
+        made.add_argument("--out", required=name != "info", metavar="FOLDER", help="the folder for the results and their table, JOB.csv")
+        made.add_argument("--processes", type=int, default=1, help="how many files to do at a time (default: 1, on all cores)")
+        made.add_argument("--scheduler", metavar="ADDRESS", help="does the files on this Dask cluster, a task each; its workers must see the same "
+                          "folders")
+        made.add_argument("--again", action="store_true", help="does again what is done already")
         if name not in ("apply", "compensate", "info"):
-            made.add_argument("--deformations", action="store_true", help="also save the deformation of each, deformations/NAME.ply")
-            made.add_argument("--measure", metavar="FILE", help="lengths between vertices, taken of each result for the table: name, distance or "
-                              "length or girth (along edges), numbers of vertices from 0")
+            made.add_argument("--deformations", action="store_true", help="also saves the deformation of each, deformations/NAME.ply")
+            made.add_argument("--measure", metavar="FILE", help="adds lengths of each result to the table. Each line has a name, a kind (distance, "
+                              "length or girth: the latter two along edges) and numbers of vertices, from 0")
         return made
 
-    made = job("fit", "Lays a template onto each scan; all that the template's vertices and faces carry is kept.", "SCAN", "TEMPLATE")
+    made = job("fit", "Lays a template onto each scan. Labels, colours and textures of the template stay.", "SCAN", "TEMPLATE")
     made.add_argument("--landmarks", metavar="FOLDER", help="NAME.csv for each scan: x, y, z on the template, and x, y, z on the scan")
-    made.add_argument("--curves", metavar="FOLDER_OR_FILE", help="of lines that slide along each other: NAME.csv for each scan, or one file for all, "
-                      "with a first row curve, surface, x, y, z; the surface is source (the template) or target (the scan)")
+    made.add_argument("--curves", metavar="FOLDER_OR_FILE", help="NAME.csv for each scan, or one file for all: lines that slide along each other. "
+                      "The first row is curve, surface, x, y, z; the surface is source (the template) or target (the scan)")
     made.add_argument("--start", default="as_they_lie", choices=["as_they_lie", "landmarks_rigid", "landmarks_similar", "axes"],
-                      help="how the template is first moved onto the scan: not (default), by the landmarks, by these and a scale, or by middle and axes")
-    made.add_argument("--weights", metavar="PROPERTY", help="of the template's vertices: how much each counts, from 0 (carried along) to 1")
-    made.add_argument("--target-weights", metavar="PROPERTY", help="the same of each scan's vertices")
+                      help="how to move the template onto the scan first: not (default), by the landmarks, by these and a scale, or by middle and axes")
+    made.add_argument("--weights", metavar="PROPERTY", help="how much each vertex of the template counts: 0 (goes along) to 1")
+    made.add_argument("--target-weights", metavar="PROPERTY", help="how much each vertex of a scan counts: 0 to 1")
     made.add_argument("--stiffness", type=float, default=1.0, help="how much the template keeps its shape (default: 1)")
     made.add_argument("--rigidity", type=float, default=1.0, help="1: parts keep their size (default); 0: they may stretch evenly")
-    made.add_argument("--largest-distance", type=float, default=0.0, help="what is farther from the scan is carried along (default: no limit)")
-    made.add_argument("--largest-angle", type=float, default=70.0, help="what faces the scan at more than this is carried along (default: 70 degrees)")
-    made.add_argument("--both-ways", action="store_true", help="the scan also draws the template, for thin parts that come from far")
+    made.add_argument("--largest-distance", type=float, default=0.0, help="parts farther than this from the scan go along (default: no limit)")
+    made.add_argument("--largest-angle", type=float, default=70.0, help="parts that face the scan at a larger angle go along (default: 70 degrees)")
+    made.add_argument("--both-ways", action="store_true", help="the scan also draws the template; for thin parts that come from far")
     made.add_argument("--landmark-tolerance", type=float, default=0.0, help="how far landmarks may be off (default: 0, exact)")
-    made.add_argument("--patches", type=int, default=150, help="at first: more for finer bends and close landmarks (default: 150)")
-    made.add_argument("--steps", type=int, default=50, help="at most: more where a fit does not converge (default: 50)")
-    made.add_argument("--mean", nargs="?", const="rigid", choices=["rigid", "similar"], help="also the mean shape of all results, mean.ply: each "
-                      "laid onto it by a rigid motion, or scaled, too")
+    made.add_argument("--patches", type=int, default=150, help="number of patches at first; more for finer bends and close landmarks (default: 150)")
+    made.add_argument("--steps", type=int, default=50, help="the most steps; more if a fit does not converge (default: 50)")
+    made.add_argument("--mean", nargs="?", const="rigid", choices=["rigid", "similar"], help="also writes mean.ply, the mean of all results, laid "
+                      "onto each other by rigid motions; with similar, scaled, too")
     made = job("deform", "Moves the handles of each mesh.", "FILE")
-    made.add_argument("--tags", default="quality", metavar="PROPERTY", help="of the vertices: 0 fixed, 1 free, 2 and up handles (default: quality)")
-    made.add_argument("--move", nargs=2, action="append", default=[], metavar=("TAG", "MOTION"), help="as 2 'rotate 0 0 1 30 translate 0 0 5'")
+    made.add_argument("--tags", default="quality", metavar="PROPERTY", help="the property of vertices with the tags: 0 fixed, 1 free, 2 and up "
+                      "handles (default: quality)")
+    made.add_argument("--move", nargs=2, action="append", default=[], metavar=("TAG", "MOTION"), help="how a handle moves, such as "
+                      "2 'rotate 0 0 1 30 translate 0 0 5'")
     made.add_argument("--percent", type=float, default=100.0, help="how much of the motions (default: 100)")
-    made.add_argument("--steps", type=int, default=1, help="in how many steps: more for turns that squeeze (default: 1)")
-    made.add_argument("--smoothness", type=float, default=0.0058, help="how far bends spread, 0.001 loose to 0.1 stiff (default: 0.0058)")
-    made.add_argument("--max-iterations", type=int, default=1000, help="more where a deformation does not converge (default: 1000)")
+    made.add_argument("--steps", type=int, default=1, help="the least number of steps; more if the shape jumps on its way (default: 1)")
+    made.add_argument("--smoothness", type=float, default=0.0058, help="how far bends spread: 0.001 loose, 0.1 stiff (default: 0.0058)")
+    made.add_argument("--max-iterations", type=int, default=1000, help="the most iterations; more if a deformation does not converge (default: 1000)")
     job("apply", "Carries each mesh or cloud by a saved deformation.", "FILE", "DEFORMATION")
     made = job("straighten", "Straightens each mesh along its line.", "FILE")
     made.add_argument("--lines", required=True, metavar="FOLDER", help="NAME.csv for each file: x, y, z of the points of its line")
-    made.add_argument("--degrees", type=float, default=0.0, help="of the arc that the line becomes (default: 0, straight)")
-    made.add_argument("--middle", action="store_true", help="take the line through the middles of the cross-sections along it")
-    made.add_argument("--smoothing", type=float, default=0.0, help="over how much of its length the line is smoothed (default: 0, not)")
-    made.add_argument("--untwist", action="store_true", help="also turn cross-sections back that are twisted about the line")
+    made.add_argument("--degrees", type=float, default=0.0, help="the angle of the arc that the line becomes (default: 0, straight)")
+    made.add_argument("--middle", action="store_true", help="moves the line into the middles of the cross-sections")
+    made.add_argument("--smoothing", type=float, default=0.0, help="removes wiggles shorter than about three times this share of the length (default: 0, none)")
+    made.add_argument("--untwist", action="store_true", help="also turns back cross-sections that are twisted about the line")
     made = job("symmetrize", "Restores the symmetry of each mesh.", "FILE")
-    made.add_argument("--pairs", metavar="FOLDER", help="NAME.csv for each file: x, y, z of a place on the left, and x, y, z on the right")
-    made.add_argument("--midlines", metavar="FOLDER", help="NAME.csv for each file: x, y, z of places on the plane of symmetry")
+    made.add_argument("--pairs", metavar="FOLDER", help="NAME.csv for each file: x, y, z on the left, and x, y, z on the right")
+    made.add_argument("--midlines", metavar="FOLDER", help="NAME.csv for each file: x, y, z of points on the plane of symmetry")
     made.add_argument("--stiffness", type=float, default=1.0, help="how much the surface keeps its shape (default: 1)")
     made.add_argument("--landmark-tolerance", type=float, default=0.0, help="how far pairs and midlines may be off (default: 0, exact)")
-    made.add_argument("--largest-distance", type=float, default=0.0, help="what is farther from the mirror image has no counterpart (default: no limit)")
-    made.add_argument("--steps", type=int, default=50, help="of the fit onto the mirror image: raise it if the fit does not converge (default: 50)")
-    made.add_argument("--other-side", action="store_true", help="also save the mirror image of what has no counterpart, other_side/NAME.ply: the good "
-                      "side where the other one is missing")
-    made = job("compensate", "Makes the part to print from each scan of a printed one, so that the nominal part comes out.", "SCAN", "NOMINAL")
-    made.add_argument("--degree", type=int, default=5, help="of the warp, 1 to 7: more follows finer warps (default: 5)")
-    made.add_argument("--largest-distance", type=float, default=0.0, help="what is farther from the scan is not scanned (default: no limit)")
-    made.add_argument("--samples", type=int, default=12000, help="how many places of the nominal part are matched: more for noisy scans (default: 12000)")
-    job("info", "Tells of each file, or saved deformation, how large it is and where.", "FILE")
+    made.add_argument("--largest-distance", type=float, default=0.0, help="parts farther than this from the mirror image have no counterpart (default: no limit)")
+    made.add_argument("--steps", type=int, default=50, help="the most steps of the fit onto the mirror image; more if it does not converge (default: 50)")
+    made.add_argument("--other-side", action="store_true", help="also saves other_side/NAME.ply: the good side, mirrored, where the other one is missing")
+    made = job("compensate", "Makes the part to print from each scan of a printed one. Its print comes out as the nominal part.", "SCAN", "NOMINAL")
+    made.add_argument("--degree", type=int, default=5, help="degree of the warp, 1 to 7; more follows finer warps (default: 5)")
+    made.add_argument("--largest-distance", type=float, default=0.0, help="parts farther than this from the scan count as not scanned (default: no limit)")
+    made.add_argument("--samples", type=int, default=12000, help="how many places of the nominal part to match; more for noisy scans (default: 12000)")
+    job("info", "Says how large each file, or saved deformation, is, and where it lies.", "FILE")
     return parser, jobs.choices
 
 
