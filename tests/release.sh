@@ -150,6 +150,21 @@ assert pose.info.converged and __version__ == "'"$version"'"') || fail "$wheel d
     bends "$(cd "$work" && venv/bin/python -m pymeshlab_fcd.cmake)" || fail "$wheel has no library that a program finds"
     proved "$(basename "$wheel"): installed into a fresh environment, bends, and a C++ program finds its library"
 done
+for wheel in "$dist"/pymeshlab_fcd_plugin-*.whl; do
+    [ -e "$wheel" ] && [ -e "$work/venv" ] || continue
+    "$work/venv/bin/pip" install --disable-pip-version-check --quiet --no-deps "$wheel"
+    "$build/venv/bin/python" -c 'import site; print(site.getsitepackages()[0])' >"$(echo "$work"/venv/lib/python*/site-packages)/venv.pth" # pymeshlab
+    (cd "$work" && venv/bin/python -c '
+import pymeshlab, pymeshlab_fcd_plugin
+from pymeshlab_fcd.samples import strip
+vertices, faces, tags = strip()
+ms = pymeshlab.MeshSet()
+ms.add_mesh(pymeshlab.Mesh(vertices, faces, v_scalar_array=tags.astype(float)))
+ms.generate_fcd_deformed_mesh(translation=[0, 0, 3])
+assert abs(ms.current_mesh().vertex_matrix() - vertices).max() > 2.9') || fail "$wheel does not bend in pymeshlab"
+    proved "$(basename "$wheel"): installed beside it, its filters are methods of pymeshlab"
+done
+[ "${1:-}" != --built ] || left_out "the source distribution: bash tests/python_package.sh release installs and tests it"
 
 # --- sums ----------------------------------------------------------------------------------------------------------------------
 (cd "$dist" && sha256sum -- * >"$work/SHA256SUMS" && mv "$work/SHA256SUMS" . && sha256sum --check --quiet SHA256SUMS)
@@ -166,6 +181,6 @@ What a person has to do:
    pymeshlab-fcd and of pymeshlab-fcd-plugin.
 2. In CHANGELOG.md, write the date instead of "not released" at $version, and commit.
 3. git tag v$version && git push origin v$version: wheels.yml publishes the packages, plugins.yml makes a release with its zips.
-4. Add what is in dist/ to that release: gh release upload v$version dist/fcd-* dist/SHA256SUMS
+4. Add what is in dist/ to that release: gh release upload v$version dist/*
 5. For MeshLab's own tree: bash tests/pull_request.sh CHECKOUT, and what that says at its end.
 EOT

@@ -650,7 +650,8 @@ class Deformer(Unchanging):
                        (len(self.vertices), columns), self.info.nodes, tuple(tags))
 
     def __repr__(self) -> str:
-        return f"<Deformer of {len(self._vertices.look())} vertices, {self.info.nodes} nodes, handles {list(self.handles)}>"
+        points = f", {len(self._points)} points" if len(self._points) else ""
+        return f"<Deformer of {len(self._vertices.look())} vertices, {self.info.nodes} nodes, handles {list(self.handles)}{points}>"
 
 
 def _part(told: Any, begin: int, end: int) -> Any:

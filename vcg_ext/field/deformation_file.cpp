@@ -115,8 +115,8 @@ std::string DeformationText(const FieldSamples &samples) {
 
 FieldSamples ReadDeformationText(const std::string &text, const std::string &name) {
     const auto Fail = [&name](const std::string &what) { throw BadInput("'" + name + "' " + what); };
-    const std::string origin = "Give a file that 'FCD: Save Deformation' (save_fcd_deformation) has written, as it "
-                               "was written.";
+    const std::string origin = "Give an unchanged file of 'FCD: Save Deformation' (save_fcd_deformation), or of "
+                               "Deformation.save in Python.";
     std::vector<std::uint64_t> number;
     FieldSamples samples;
     std::size_t at = 0, line = 0, checksumAt = 0, checksumEnd = 0;
