@@ -117,7 +117,7 @@ class Fitted(Pose):
         found: list[Told] = [(LandmarkWarning, text) for text in told["landmark_remarks"]]
         found += [(MatchWarning, text) for text in told["target_remarks"]]
         if told["matched"] < 0.3 and not told["alone"]:  # most of the shape is a guess
-            found.append((MatchWarning, f"Only {100 * told['matched']:g} percent of the surface have a counterpart: do not trust the rest. "
+            found.append((MatchWarning, f"Only {100 * told['matched']:.3g} percent of the surface have a counterpart: do not trust the rest. "
                                         "Move the surfaces onto each other first, give landmarks, or raise largest_distance or largest_angle."))
         if told["guessed"] > 0.05 and told["guess_error"] > 0.01 * told["diagonal"]:  # 1 %: no hand misses so much
             found.append((MatchWarning, f"{100 * told['guessed']:.3g} percent of the surface have no counterpart: their place is a guess that may be off "
