@@ -27,8 +27,8 @@ class Contact:
     """The largest of `depth`; 0 without contact."""
     depth: NDArray[np.float64]
     """n: how far each vertex has come through the surface, in units of the vertices; 0 for most. Corners of the triangles in contact have the
-    depth of their pair. These triangles also cut the surface into pieces. In each connected part, all pieces but the largest are inside: their
-    vertices have the distance from the surface that they passed, also where that is the same piece, as on both sides of a crease."""
+    depth of their pair. These triangles also cut the surface into pieces. In each connected part, all pieces but the largest are inside. Their
+    vertices have the distance from the surface that they passed. At a crease, that may be the same piece."""
 
     @property
     def triangles(self) -> int:

@@ -61,7 +61,7 @@ class Deformation:
         Parameters
         ----------
         path : path
-            Of a file that `save_fcd_deformation` or [save][pymeshlab_fcd.Deformation.save] has written.
+            A file of `save_fcd_deformation` or [save][pymeshlab_fcd.Deformation.save].
 
         Raises
         ------

@@ -506,8 +506,8 @@ class Deformer(Unchanging):
         out_normals : ndarray, optional
             The same for `Pose.normals`, which are then computed at once.
         check : bool, default True
-            Also check the pose, and warn of flipped triangles, and, in a surface of at most 250 thousand triangles, of those that pass through
-            others. In larger ones, that would take longer than the pose. `Pose.contact` and `Pose.info` look for them, too.
+            Whether to warn of flipped triangles, and of triangles that pass through others. In more than 250 thousand triangles, only
+            `Pose.contact` and `Pose.info` look for the latter, since that takes longer than the pose.
         progress : Progress, optional
             Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
 

@@ -129,7 +129,7 @@ class PoseSequence:
         Parameters
         ----------
         path : path
-            Of the file, `.csv`.
+            The file, `.csv`.
 
         Raises
         ------
@@ -161,7 +161,7 @@ class PoseSequence:
         Parameters
         ----------
         path : path
-            Of the file, `.csv`.
+            The file, `.csv`.
         deformer : Deformer, optional
             As in [text][pymeshlab_fcd.PoseSequence.text].
 
@@ -203,9 +203,9 @@ class PoseSequence:
         deformer : Deformer
             The surface that is posed.
         weights : Mapping[str, float]
-            Of each pose, by its name, how many percent; those that are not in it have 0.
+            The percentage of each pose, by its name; missing ones have 0.
         check : bool, default True
-            Also look for flipped triangles, and warn of them.
+            Whether to look for flipped triangles, and warn of them.
         progress : Progress, optional
             Gets percent and stage; see [Progress][pymeshlab_fcd.Progress].
 
@@ -226,16 +226,16 @@ class PoseSequence:
         return pose
 
     def frames(self, deformer: Deformer, *, rate: float = 24.0, check: bool = True) -> Iterator[tuple[float, Pose]]:
-        """Each frame, one after the other, each from the one before: its time in seconds, and the pose.
+        """Yields the frames, each solved from the one before: its time in seconds, and the pose.
 
         Parameters
         ----------
         deformer : Deformer
             The surface that is posed.
         rate : float, default 24.0
-            How many frames a second; the last one is at the last key frame, or after it.
+            Frames a second. The last one is at the last key frame, or just after it.
         check : bool, default True
-            Also look for flipped triangles, and warn of them.
+            Whether to look for flipped triangles, and warn of them.
 
         Raises
         ------

@@ -32,9 +32,9 @@ class LineInfo:
     left_middle: bool
     """Whether the given line was used in spite of `middle`, since the middles would stretch the surface more."""
     lengthening: float
-    """By what share the surface gets longer or shorter along the line than the line itself, root mean square; 0 for a line through the middle."""
+    """How much longer or shorter than the line the surface beside it gets, as a share, root mean square; 0 for a line through the middle."""
     is_beside: bool
-    """Whether that is more than 0.03, and `middle`, which was not asked for, would make it less."""
+    """Whether `lengthening` is more than 0.03, and `middle=True` would make it less."""
     twist: float
     """Twist of the surface about the line that `untwist` removed, from end to end, in degrees; else 0."""
     following: int
