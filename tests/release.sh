@@ -151,7 +151,7 @@ assert pose.info.converged and __version__ == "'"$version"'"') || fail "$wheel d
     proved "$(basename "$wheel"): installed into a fresh environment, bends, and a C++ program finds its library"
 done
 for wheel in "$dist"/pymeshlab_fcd_plugin-*.whl; do
-    [ -e "$wheel" ] && [ -e "$work/venv" ] || continue
+    { [ -e "$wheel" ] && [ -e "$work/venv" ]; } || continue
     "$work/venv/bin/pip" install --disable-pip-version-check --quiet --no-deps "$wheel"
     "$build/venv/bin/python" -c 'import site; print(site.getsitepackages()[0])' >"$(echo "$work"/venv/lib/python*/site-packages)/venv.pth" # pymeshlab
     (cd "$work" && venv/bin/python -c '
