@@ -5,7 +5,8 @@
 #   peers.csv, scans.md, scans.png   seconds and memory on scans of growing size    (see tests/peers.py)
 #   dirty.md, dirty_*.png            what becomes of dirty scans
 #   shapes.csv, SHAPE.png            the shapes of the benchmark of Botsch and Sorkine, with CGAL's ARAP and SR-ARAP: time to
-#                                    convergence, and to our distance from it         (see tests/benchmark/deformation_benchmark.cpp)
+#                                    convergence, and to our distance from it         (see tests/benchmark/deformation_benchmark.cpp);
+#                                    docs/pictures/peers.png is those of meshes/cactus and meshes/cylinder
 #   SHAPE_error.csv, errors.png      how near each is to SR-ARAP's limit after how many seconds
 #   fits.csv, fits.md, fit_failures.md, fit_PAIR.png    fits whose truth is known, what fails, and both in pictures
 #                                    (see tests/fit_peers.py; what fits.csv has is not measured again)
