@@ -115,7 +115,7 @@ TEST(DeformationFile, RefusesWhatIsNoDeformation) {
          {std::string(), std::string("ply"), std::string("solid\n"), text.substr(0, 40),
           Replaced(text, "little", "big"), Replaced(text, "FCD", "MeshLab"), Replaced(text, "version 2", "version two"),
           Replaced(text, "version 2", "version 2 "), Replaced(text, "ply\n", "ply\r\n")})
-        EXPECT_SAYS(Refusal(other), "is no saved deformation. Give a file that 'FCD: Save Deformation'");
+        EXPECT_SAYS(Refusal(other), "is no saved deformation. Give an unchanged file of 'FCD: Save Deformation'");
     for (const char *other : {"version 0", "version 3"})
         EXPECT_SAYS(Refusal(Replaced(text, "version 2", other)), "; only versions 1 to 2 are known here. Update");
 }
