@@ -163,8 +163,9 @@ static SymmetricPose Follow(const Fitter &fitter, const SurfaceView &source, con
         // itself, for points that are mirrored back.
         const auto hints = std::make_shared<std::vector<NearestPlace::Hint>>(warped.place.size());
         whole.match = [&itself, in, hints](std::size_t s, const Eigen::Vector3d &at) {
-            const FitTarget::Match match = itself->Nearest(in(at), (*hints)[s]);
-            return WarpMatch{in(match.point), in.Turn(match.normal), match.isOriented,
+            const Eigen::Vector3d back = in(at);
+            const FitTarget::Match match = itself->Nearest(back, (*hints)[s]);
+            return WarpMatch{in(match.Foot(back)), in.Turn(match.normal), match.isOriented,
                              match.onBorder ? 0 : match.weight};
         };
         AddTo(whole, marks.place, in);

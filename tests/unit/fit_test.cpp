@@ -207,6 +207,15 @@ TEST(Fit, CarriesAlongWhatHasNoCounterpart) {
     EXPECT_GT(lies, (sanitized ? 0.85 : 0.9) * there);
 }
 
+TEST(Fit, CarriesAlongWhatAPartOfACloudHasNot) {
+    Shape half = Points(Grid(58, 66));
+    for (Vector3d &p : half.position)
+        p = Rolled(Bumpy(p[0] * 10 / 114, p[1] * 6 / 65));
+    const Fitted fitted = Fit(source, half);
+    EXPECT_NEAR(fitted.report.matched, 0.5, 0.05);
+    EXPECT_LT(Rms(fitted, truth, [](std::size_t i) { return source.position[i][0] < 4; }), 0.0054);
+}
+
 // Half of the target is missing, and that half of the source has not moved: it stays.
 TEST(Fit, WhatHasNoCounterpartIsStiff) {
     const auto bent = [](Vector3d p) { // where x is above 6.5
@@ -1317,6 +1326,63 @@ TEST(Fit, TargetTellsItsBorderAndItsNormals) {
     const FitTarget cloud(pointArrays.View(), {}, Eigen::Affine3d::Identity());
     EXPECT_FALSE(cloud.Nearest({1.3, 2.2, 0.5}).isOriented);
     EXPECT_NEAR(std::abs(cloud.Nearest({1.3, 2.2, 0.5}).normal[2]), 1, 1e-6);
+}
+
+/// Points of a ball of radius 1, evenly spread (Fibonacci's lattice), those for which keeps(p) holds. \param noise
+/// largest offset to each side
+template <class Keeps>
+Shape BallOfPoints(int count, double noise, const Keeps &keeps) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> offset(-noise, noise);
+    Shape shape;
+    for (int i = 0; i < count; ++i) {
+        const double z = 1 - (2 * i + 1) / double(count), r = std::sqrt(1 - z * z), a = 2.399963229728653 * i;
+        const Vector3d p(r * std::cos(a), r * std::sin(a), z);
+        if (keeps(p))
+            shape.position.emplace_back(p + Vector3d(offset(random), offset(random), offset(random)));
+    }
+    return shape;
+}
+
+TEST(Fit, TargetTellsWhereACloudEnds) {
+    const double spacing = std::sqrt(4 * EIGEN_PI / 4000);
+    for (const double noise : {0., 0.25, 0.5}) {
+        // Share of the places beside a ball, so many times its radius from its middle.
+        const auto ends = [&](const auto &keeps, const auto &isAsked, const std::vector<double> &radii) {
+            const MeshD points(BallOfPoints(4000, noise * spacing, keeps));
+            const Arrays arrays = Read(points);
+            const FitTarget cloud(arrays.View(), {}, Eigen::Affine3d::Identity());
+            int asked = 0, found = 0;
+            for (const Vector3d &p : BallOfPoints(500, 0, isAsked).position)
+                for (const double radius : radii) {
+                    ++asked;
+                    found += cloud.Nearest(radius * p).onBorder;
+                }
+            return double(found) / asked;
+        };
+        const auto all = [](const Vector3d &) { return true; };
+        EXPECT_EQ(ends(all, all, {0.7, 0.85, 1.15, 1.3}), 0) << noise;
+        const auto below = [](const Vector3d &p) { return p[0] < 0.2; };
+        EXPECT_GT(ends(below, [](const Vector3d &p) { return p[0] > 0.6 && p[0] < 0.8; }, {0.9, 1, 1.1}),
+                  noise < 0.5 ? 0.95 : 0.8)
+            << noise;
+        EXPECT_EQ(ends(below, [](const Vector3d &p) { return p[0] < 0; }, {0.7, 0.85, 1.15, 1.3}), 0) << noise;
+    }
+}
+
+// What is as thin as the points are apart has no plane in which it could end: a rod's tip draws what lies beyond it.
+TEST(Fit, ACloudDoesNotEndAtTheTipOfARod) {
+    Shape rod;
+    for (int i = 0; i < 200; ++i)
+        for (int k = 0; k < 8; ++k)
+            rod.position.emplace_back(0.05 * i, 0.06 * std::cos(k * EIGEN_PI / 4), 0.06 * std::sin(k * EIGEN_PI / 4));
+    const MeshD points(rod);
+    const Arrays arrays = Read(points);
+    const FitTarget cloud(arrays.View(), {}, Eigen::Affine3d::Identity());
+    for (const double far : {0.2, 0.5, 1., 2.}) {
+        EXPECT_FALSE(cloud.Nearest({-far, 0, 0}).onBorder);
+        EXPECT_FALSE(cloud.Nearest({-far, 0.5 * far, 0}).onBorder);
+    }
 }
 
 TEST(Fit, TargetNeedsItsArraysNoLongerThanItSays) {

@@ -11,6 +11,10 @@
 
 namespace vcg::fcd {
 
+// Cosine of the angle to the normal: 27 degrees. Beyond an end of a cloud, it is more than 45 degrees to a better
+// normal.
+constexpr double surelyAbove = 0.89;
+
 Eigen::Matrix3d Moments::Covariance() const { return second / sum - Middle() * Middle().transpose(); }
 
 Eigen::Matrix3d Moments::Axes() const {
@@ -299,6 +303,8 @@ FitTarget::Match FitTarget::Nearest(const Eigen::Vector3d &p, NearestPlace::Hint
     match.weight = match.weight < 1e-6 ? 0 : match.weight; // rounding
     match.onBorder = isBorder && at.count < 3;
     match.isOriented = true;
+    for (int k = 0; isCloud && k < at.count; ++k)
+        match.reach = std::max(match.reach, (position.col(at.slot[k]) - match.point).norm());
     if (isCloud && match.normal.isZero(0) && at.count > 2) { // of the plane through the points around
         Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
         Eigen::Vector3d middle = Eigen::Vector3d::Zero();
@@ -313,6 +319,11 @@ FitTarget::Match FitTarget::Nearest(const Eigen::Vector3d &p, NearestPlace::Hint
     }
     const double length = match.normal.norm();
     match.normal = length > 0 ? Eigen::Vector3d(match.normal / length) : Eigen::Vector3d::Zero();
+    if (isCloud) {
+        // If it lies above the plane of the nearest points, it surely does not lie beside them, and no more are sought.
+        const double above = std::abs(match.normal.dot(p - match.point)), far = (p - match.point).norm();
+        match.onBorder = above < surelyAbove * far && place->EndsBefore(p, at, hint);
+    }
     return match;
 }
 

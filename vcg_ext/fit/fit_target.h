@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <string>
@@ -52,8 +53,17 @@ class FitTarget {
         Eigen::Vector3d point;
         Eigen::Vector3d normal = Eigen::Vector3d::Zero(); ///< of length 1; 0: unknown
         bool isOriented = false;                          ///< false: the normal may point inwards
-        bool onBorder = false;                            ///< the point is on an open border of triangles
+        bool onBorder = false;                            ///< the surface ends there, before the given point
         double weight = 1;                                ///< how much it counts, [0, 1]
+        double reach = 0; ///< of a cloud: the distance from the point to the farthest of those that it is the mean of
+
+        /// The point of the surface nearest to \p p, for which this was found. Between the points of a cloud, this is
+        /// on the plane through them: their mean is up to half a spacing off.
+        Eigen::Vector3d Foot(const Eigen::Vector3d &p) const {
+            const Eigen::Vector3d offset = p - point, beside = offset - normal.dot(offset) * normal;
+            return normal.isZero(0) ? point
+                                    : Eigen::Vector3d(point + beside * std::min(1., reach / (beside.norm() + 1e-300)));
+        }
     };
 
     /// Reads the target. Vertices that are not finite are left out, with their triangles; so are points, and triangles

@@ -2,6 +2,7 @@
 #include <vcg_ext/base/elementary.h>
 #include <vcg_ext/base/frame.h>
 #include <vcg_ext/base/point_tree.h>
+#include <vcg_ext/base/symmetric_eigen.h>
 #include <vcg_ext/surface/nearest_place.h>
 #include <vcg_ext/surface/triangle_tree.h>
 
@@ -17,6 +18,20 @@ namespace {
 // If more vertices than these are at one position, as where a scanner writes zeros for missed points, only that
 // position is found.
 constexpr std::size_t mostAsked = std::size_t(16) * (SurfacePlace::most + 1);
+
+// How many vertices tell whether a cloud ends: so many reach around a vertex by about three spacings (four where the
+// cloud ends). If noise hides the plane there, four times as many tell it.
+constexpr std::size_t around[] = {24, 96};
+// They lie along a plane if they extend less across it than in it (variances: largest ratio), and if they extend in it
+// to both sides (smallest ratio). At a straight end, half a disc has 0.28 of the latter. Vertices on both sides of an
+// edge of 90 degrees have 0.28 of the former; so have noise of half a spacing, and the blade of a knife, in the first
+// number.
+constexpr double flat = 0.2, wide = 0.1;
+// A point lies beyond the end if it is `beyond` spacings beside the place, and seen from there less than 50 degrees (of
+// this tangent) above the plane. Between vertices, the place is nearer: it is their mean. With 45 degrees and two
+// spacings, fits onto halves of clouds were drawn over the end, and with one spacing a little; with 55 degrees, noise
+// of half a spacing makes up to a hundredth of a closed cloud an end.
+constexpr double beyond = 0.75, steepest = 1.19;
 
 // No number that is searched is beyond this, so that squares are numbers.
 constexpr double farAway = 1e100;
@@ -85,6 +100,37 @@ SurfacePlace NearestPlace::Find(const Eigen::Vector3d &at, Hint &hint, const Eig
             place.weight[place.count++] = nearest.weight[k];
         }
     return place;
+}
+
+bool NearestPlace::EndsBefore(const Eigen::Vector3d &p, const SurfacePlace &at, const Hint &hint) const {
+    if (!vertices)
+        return false;
+    const Eigen::Vector3d near = position.col(at.slot[0]);
+    Eigen::Vector3d offset = InUnit(p);
+    for (int k = 0; k < at.count; ++k)
+        offset -= at.weight[k] * position.col(at.slot[k]);
+    thread_local std::vector<PointTree<double>::Neighbour> nearest;
+    for (const std::size_t count : around) {
+        vertices->Nearest(near, count, nearest, hint.block);
+        const double spacing = std::sqrt(nearest.back().square * EIGEN_PI / double(nearest.size()));
+        if (nearest.size() < count || !(offset.norm() > beyond * spacing))
+            return false;
+        Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+        for (const auto &each : nearest)
+            middle += position.col(vertex[std::size_t(each.point)]) / double(count);
+        Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+        for (const auto &each : nearest) {
+            const Eigen::Vector3d from = position.col(vertex[std::size_t(each.point)]) - middle;
+            spread += from * from.transpose();
+        }
+        const detail::SymmetricEigen eigen(spread);
+        if (eigen.values[0] > flat * eigen.values[1] || !(eigen.values[1] > wide * eigen.values[2]))
+            continue;
+        const double above = std::abs(eigen.Vectors().col(0).dot(offset)),
+                     beside = std::sqrt(std::max(0., offset.squaredNorm() - above * above));
+        return above < steepest * beside && beside > beyond * spacing;
+    }
+    return false;
 }
 
 double NearestPlace::SideOf(const Eigen::Vector3d &p, const Eigen::Vector3d &normal) const {

@@ -61,6 +61,12 @@ class NearestPlace {
     };
     SurfacePlace operator()(const Eigen::Vector3d &p, Hint &hint) const { return Find(p, hint, nullptr); }
 
+    /// Whether vertices without triangles end between their place nearest to \p p and \p p: they lie along a plane
+    /// there, and \p p lies beside them. So a match in that place is on a border. False if \p p is nearer than they are
+    /// to each other, or they lie along no plane, as at the tip of a finger.
+    /// \param at the place nearest to \p p \param hint what was found for it
+    bool EndsBefore(const Eigen::Vector3d &p, const SurfacePlace &at, const Hint &hint) const;
+
     /// The same for a point of another sampling of the same shape, such as a thinned one. If the nearest triangle faces
     /// away from \p normal (the opposite wall of a fold), this takes the nearest one that faces along \p normal, at
     /// most half an edge farther away. Two triangulations of a surface are nearer to each other than that if

@@ -9,16 +9,18 @@ namespace vcg::fcd {
 namespace {
 
 // A warp of degree 3 with fewer points than the final one tells which of several planes is the right one: the one in
-// which the surface is its mirror image up to the warp. It is sure if the misfit of the next plane is sureBy times as
-// large (if the surface is its own mirror image in both, it is the same up to noise). Misfits below `perfect` of the
-// diagonal count as equal.
+// which the surface is its mirror image up to the warp. Planes up to `equal` times the least misfit are as good (if the
+// surface is its own mirror image in several, they differ by noise). Misfits below `perfect` of the diagonal count as
+// equal. It is sure if the misfit of the best plane with other counterparts is sureBy times as large: of skulls that
+// lack up to a third of their area, it was 2.3 to 18 times as large; if they lack more, the plane is a wrong one, and
+// it was 1 to 1.9 times as large.
 constexpr int roughDegree = 3, sketchDegree = 2;
 constexpr std::size_t roughPlaces = 500;
 // If there are many planes, as on a shape without symmetry, a warp of fewer points and a lower degree chooses among
 // them: the misfit of the right one is several times less than that of others.
 constexpr std::size_t sketchPlaces = 100, finalPlanes = 10;
 constexpr double roughRest = 0.1; // a warp rests if a step moves places by less than a tenth of what is left
-constexpr double sureBy = 1.25, perfect = 1e-4;
+constexpr double equal = 1.25, sureBy = 2, perfect = 1e-4;
 constexpr double apart = 0.05; // of the diagonal: counterparts farther from each other than this are different ones
 // If no plane stood out before the warps, nor does after them, which one is taken is chance. The misfit of the right
 // plane is then below half of the median; that of the best one in random points is above.
@@ -84,17 +86,17 @@ MirrorPlane BestPlane(const TriedPlanes &tried, const WarpGoalIn &goalIn, bool &
     }
     const std::vector<WarpedPlane> all =
         WarpInEach(planes, goalIn, roughPlaces, roughDegree, progress.Slice(isMany ? 0.5 : 0, 1));
-    const double most = sureBy * std::max(SortedMisfits(all)[0], perfect);
-    const auto isGood = [&](const WarpedPlane &each) { return each.misfit <= most; };
-    const WarpedPlane &best = *std::find_if(all.begin(), all.end(), isGood);
+    const double least = std::max(SortedMisfits(all)[0], perfect);
+    const WarpedPlane &best =
+        *std::find_if(all.begin(), all.end(), [&](const WarpedPlane &each) { return each.misfit <= equal * least; });
     const auto isOther = [&](const WarpedPlane &each) { // its counterparts are others
         double squares = 0;
         for (std::size_t s = 0; s < best.pairs.size(); ++s)
             squares += (each.pairs[s].second - best.pairs[s].second).squaredNorm();
         return squares > apart * apart * double(best.pairs.size());
     };
-    isSure =
-        std::none_of(all.begin(), all.end(), [&](const WarpedPlane &each) { return isGood(each) && isOther(each); });
+    isSure = std::none_of(all.begin(), all.end(),
+                          [&](const WarpedPlane &each) { return each.misfit <= sureBy * least && isOther(each); });
     bool isTold;
     const MirrorPlane plane = PlaneOf(best.pairs, {}, isTold);
     return isTold ? plane : best.plane;

@@ -104,9 +104,10 @@ class Matching {
                 const Eigen::Vector3d p = plane(points[s]);
                 const FitTarget::Match match = surface.Nearest(p, hint[s]);
                 const bool isOther = match.isOriented && match.normal.dot(plane.Turn(normal[s])) < 0;
-                far[s] = (p - match.point).norm() * (isOther ? wrongSide : 1);
+                const Eigen::Vector3d foot = match.Foot(p);
+                far[s] = (p - foot).norm() * (isOther ? wrongSide : 1);
                 share[s] = match.onBorder ? 0 : 1;
-                pairs[s] = {points[s], match.point};
+                pairs[s] = {points[s], foot};
             }
         });
     }
