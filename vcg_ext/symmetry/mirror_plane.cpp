@@ -67,7 +67,7 @@ struct Candidate {
 };
 
 /// A plane, while the mirror images of points in it are matched with the nearest points of the surface. A match on a
-/// border is no counterpart: there the surface ends.
+/// border of triangles is no counterpart: there the surface ends.
 class Matching {
   public:
     Matching(const MirrorPlane &plane, const std::vector<Eigen::Vector3d> &points,
@@ -106,7 +106,8 @@ class Matching {
                 const bool isOther = match.isOriented && match.normal.dot(plane.Turn(normal[s])) < 0;
                 const Eigen::Vector3d foot = match.Foot(p);
                 far[s] = (p - foot).norm() * (isOther ? wrongSide : 1);
-                share[s] = match.onBorder ? 0 : 1;
+                // Far from the right plane, too much of a cloud with limbs would seem to have no counterpart.
+                share[s] = match.onBorder && match.reach == 0 ? 0 : 1;
                 pairs[s] = {points[s], foot};
             }
         });
