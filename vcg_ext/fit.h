@@ -41,8 +41,8 @@ struct FitGoal {
     WeightOf weight;              ///< of each vertex: 0 does not count, 1 counts fully; empty: 1 everywhere
     std::vector<Curve> curves;    ///< curves that vertices of the source slide along, world units; may be empty
     const char *name = "target";  ///< its name in messages
-    /// What the surface does not reach, it lacks: it is not drawn there. So in its own mirror image: one side may have
-    /// what the other lacks.
+    /// What the surface does not reach, it lacks: it is not drawn there, and a cloud ends where no more points are. So
+    /// in its own mirror image: one side may have what the other lacks.
     bool reachesFarther = false;
 };
 

@@ -38,7 +38,7 @@ struct SymmetryReport {
     MirrorPlane plane;               ///< world units
     bool isGiven = false;            ///< the plane was given
     bool isOfLandmarks = false;      ///< the plane is that of the landmarks
-    bool isSure = true;              ///< false: another plane is nearly as good, or half as good
+    bool isSure = true;              ///< false: another plane is at least half as good
     double asymmetry = 0;            ///< distance of points from the mirror images of their counterparts: rms
     double asymmetryMost = 0;        ///< the largest one
     double moved = 0, movedMost = 0; ///< how far these points were moved: rms, largest

@@ -145,7 +145,8 @@ static SymmetricPose Follow(const Fitter &fitter, const SurfaceView &source, con
         warped.place.emplace_back(region.surface.graph.position.col(node).cast<double>());
         warped.weight.push_back(nodeWeight.empty() ? 1 : double(nodeWeight[node]));
     }
-    const auto itself = fitter.Prepare({source, normal, world, {}, weight, {}, "surface"}, progress.Slice(0, 0.1));
+    const auto itself =
+        fitter.Prepare({source, normal, world, {}, weight, {}, "surface", true}, progress.Slice(0, 0.1));
 
     for (std::size_t s = 0; s < warped.place.size(); ++s) // of a cloud without normals: that of the points around
         if (warped.normal[s].isZero(0))

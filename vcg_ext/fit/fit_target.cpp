@@ -319,7 +319,7 @@ FitTarget::Match FitTarget::Nearest(const Eigen::Vector3d &p, NearestPlace::Hint
     }
     const double length = match.normal.norm();
     match.normal = length > 0 ? Eigen::Vector3d(match.normal / length) : Eigen::Vector3d::Zero();
-    if (isCloud) {
+    if (isCloud && reachesFarther) {
         // If it lies above the plane of the nearest points, it surely does not lie beside them, and no more are sought.
         const double above = std::abs(match.normal.dot(p - match.point)), far = (p - match.point).norm();
         match.onBorder = above < surelyAbove * far && place->EndsBefore(p, at, hint);

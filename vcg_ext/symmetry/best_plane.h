@@ -14,7 +14,7 @@ namespace vcg::fcd {
 using WarpGoalIn = std::function<WarpGoal(const MirrorPlane &)>;
 
 /// The plane in which a surface is its mirror image, up to a warp. Of several that are equally good, the first one.
-/// \param isSure out: false if another plane, with other counterparts, is nearly as good
+/// \param isSure out: false if another plane, with other counterparts, is at least half as good
 /// \throw BadInput nothing of the surface tells a plane \throw Cancelled
 MirrorPlane BestPlane(const TriedPlanes &tried, const WarpGoalIn &goalIn, bool &isSure, const Progress &progress = {});
 
