@@ -112,7 +112,7 @@ bool NearestPlace::EndsBefore(const Eigen::Vector3d &p, const SurfacePlace &at, 
     thread_local std::vector<PointTree<double>::Neighbour> nearest;
     for (const std::size_t count : around) {
         vertices->Nearest(near, count, nearest, hint.block);
-        const double spacing = std::sqrt(nearest.back().square * EIGEN_PI / double(nearest.size()));
+        const double spacing = std::sqrt(nearest.back().square * detail::pi / double(nearest.size()));
         if (nearest.size() < count || !(offset.norm() > beyond * spacing))
             return false;
         Eigen::Vector3d middle = Eigen::Vector3d::Zero();

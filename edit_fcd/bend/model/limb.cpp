@@ -232,7 +232,8 @@ static bool narrows(const std::vector<float> &area, std::size_t upTo) {
 /// an elbow. \param end the last section of the limb \param area, sum as of Sections
 static std::size_t jointBeyond(std::size_t start, std::size_t end, const std::vector<float> &area,
                                const std::vector<Eigen::Vector4d> &sum) {
-    const std::size_t away = binsOfThickness, least(leastPart * binsOfThickness);
+    const std::size_t away = binsOfThickness;
+    const auto least = std::size_t(leastPart * binsOfThickness);
     std::vector<Eigen::Vector3d> middle;
     middle.reserve(sum.size());
     for (std::size_t k = 0; k < sum.size(); ++k)
@@ -252,7 +253,7 @@ static std::size_t jointBeyond(std::size_t start, std::size_t end, const std::ve
     for (std::size_t k = away; k + 1 < end && k + 2 * away < sum.size() && last == end; ++k)
         if (isBent(k))
             (k <= start ? before : last) = k;
-    const std::size_t elbow(elbowAt * double(last));
+    const auto elbow = std::size_t(elbowAt * double(last));
     const bool hasRoom = start < elbow && before < least && last - elbow >= least && end - last < least;
     return hasRoom && (before > 0 || narrows(area, elbow)) ? elbow : last;
 }
