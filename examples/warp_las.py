@@ -189,7 +189,7 @@ def main(deformation: str, folder: str, *tiles: str) -> int:
         except Exception as error:  # whatever laspy finds in it
             failed.append(f"{source}: {error or type(error).__name__}")
     if failed:
-        print(f"{len(failed)} tiles could not be deformed:", *failed, sep="\n", file=sys.stderr)
+        print(f"{len(failed)} of {len(tiles)} tiles could not be deformed:", *failed, sep="\n", file=sys.stderr)
     return 1 if failed else 0
 
 

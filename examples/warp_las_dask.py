@@ -51,7 +51,7 @@ def main() -> int:
             else:
                 print(tile, done, "points", flush=True)
     if failed:
-        print(f"{len(failed)} tiles could not be deformed:", *failed, sep="\n", file=sys.stderr)
+        print(f"{len(failed)} of {len(arguments.tiles)} tiles could not be deformed:", *failed, sep="\n", file=sys.stderr)
     return 1 if failed else 0
 
 
