@@ -8,6 +8,20 @@
 
 namespace vcg::fcd::detail {
 
+/// The sum of squares of points about their mean: how far they extend in each direction. \param at the place of point k
+template <class At>
+Eigen::Matrix3d ScatterOf(std::size_t count, const At &at) {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (std::size_t k = 0; k < count; ++k)
+        middle += at(k) / double(count);
+    Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+    for (std::size_t k = 0; k < count; ++k) {
+        const Eigen::Vector3d offset = at(k) - middle;
+        scatter += offset * offset.transpose();
+    }
+    return scatter;
+}
+
 /// Eigenvalues and eigenvectors of a symmetric 3 x 3 matrix in closed form, about as good as Eigen's computeDirect, but
 /// with the same bits everywhere (O. K. Smith, Eigenvalues of a symmetric 3 x 3 matrix, 1961).
 class SymmetricEigen {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/symmetric_eigen.h>
 #include <vcg_ext/fit/fit_target.h>
 #include <vcg_ext/surface/surface_graph.h>
 
@@ -303,23 +304,17 @@ FitTarget::Match FitTarget::Nearest(const Eigen::Vector3d &p, NearestPlace::Hint
     match.weight = match.weight < 1e-6 ? 0 : match.weight; // rounding
     match.onBorder = isBorder && at.count < 3;
     match.isOriented = true;
-    for (int k = 0; isCloud && k < at.count; ++k)
-        match.reach = std::max(match.reach, (position.col(at.slot[k]) - match.point).norm());
     if (isCloud && match.normal.isZero(0) && at.count > 2) { // of the plane through the points around
-        Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-        Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-        for (int k = 0; k < at.count; ++k)
-            middle += position.col(at.slot[k]) / at.count;
-        for (int k = 0; k < at.count; ++k) {
-            const Eigen::Vector3d offset = position.col(at.slot[k]) - middle;
-            spread += offset * offset.transpose();
-        }
-        match.normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(0);
+        const auto placeOf = [&](std::size_t k) { return position.col(at.slot[k]); };
+        const Eigen::Matrix3d scatter = detail::ScatterOf(std::size_t(at.count), placeOf);
+        match.normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0);
         match.isOriented = false;
     }
     const double length = match.normal.norm();
     match.normal = length > 0 ? Eigen::Vector3d(match.normal / length) : Eigen::Vector3d::Zero();
     if (isCloud && reachesFarther) {
+        for (int k = 0; k < at.count; ++k)
+            match.reach = std::max(match.reach, (position.col(at.slot[k]) - match.point).norm());
         // If it lies above the plane of the nearest points, it surely does not lie beside them, and no more are sought.
         const double above = std::abs(match.normal.dot(p - match.point)), far = (p - match.point).norm();
         match.onBorder = above < surelyAbove * far && place->EndsBefore(p, at, hint);

@@ -55,7 +55,8 @@ class FitTarget {
         bool isOriented = false;                          ///< false: the normal may point inwards
         bool onBorder = false;                            ///< the surface ends there, before the given point
         double weight = 1;                                ///< how much it counts, [0, 1]
-        double reach = 0; ///< of a cloud: the distance from the point to the farthest of those that it is the mean of
+        double reach = 0; ///< of a cloud that ends: the distance from the point to the farthest of those that it is the
+                          ///< mean of
 
         /// The point of the surface nearest to \p p, for which this was found. Between the points of a cloud, this is
         /// on the plane through them: their mean is up to half a spacing off.

@@ -115,15 +115,8 @@ bool NearestPlace::EndsBefore(const Eigen::Vector3d &p, const SurfacePlace &at, 
         const double spacing = std::sqrt(nearest.back().square * detail::pi / double(nearest.size()));
         if (nearest.size() < count || !(offset.norm() > beyond * spacing))
             return false;
-        Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-        for (const auto &each : nearest)
-            middle += position.col(vertex[std::size_t(each.point)]) / double(count);
-        Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-        for (const auto &each : nearest) {
-            const Eigen::Vector3d from = position.col(vertex[std::size_t(each.point)]) - middle;
-            spread += from * from.transpose();
-        }
-        const detail::SymmetricEigen eigen(spread);
+        const auto placeOf = [&](std::size_t k) { return position.col(vertex[std::size_t(nearest[k].point)]); };
+        const detail::SymmetricEigen eigen(detail::ScatterOf(count, placeOf));
         if (eigen.values[0] > flat * eigen.values[1] || !(eigen.values[1] > wide * eigen.values[2]))
             continue;
         const double above = std::abs(eigen.Vectors().col(0).dot(offset)),
