@@ -182,14 +182,14 @@ def main(deformation: str, folder: str, *tiles: str) -> int:
     vectors = "--vectors" in tiles
     tiles = tuple(tile for tile in tiles if tile != "--vectors")
     bend = pymeshlab_fcd.Deformation.load(deformation)
-    failed = []
-    for source, target in targets(tiles, folder).items():
+    failed, goals = [], targets(tiles, folder)
+    for source, target in goals.items():
         try:
             print(source, warp(bend, source, target, vectors=vectors), "points", flush=True)
         except Exception as error:  # whatever laspy finds in it
             failed.append(f"{source}: {error or type(error).__name__}")
     if failed:
-        print(f"{len(failed)} of {len(tiles)} tiles could not be deformed:", *failed, sep="\n", file=sys.stderr)
+        print(f"{len(failed)} of {len(goals)} tiles could not be deformed:", *failed, sep="\n", file=sys.stderr)
     return 1 if failed else 0
 
 

@@ -43,15 +43,16 @@ def main() -> int:
     parser.add_argument("--scheduler")
     arguments = parser.parse_args()
     cluster = arguments.scheduler or distributed.LocalCluster(threads_per_worker=1)
-    failed = []
+    failed, count = [], 0
     with distributed.Client(cluster) as client:
-        for tile, done in warp_all(client, pymeshlab_fcd.Deformation.load(arguments.deformation), arguments.tiles, arguments.folder):
+        bend = pymeshlab_fcd.Deformation.load(arguments.deformation)
+        for count, (tile, done) in enumerate(warp_all(client, bend, arguments.tiles, arguments.folder), 1):
             if isinstance(done, Exception):
                 failed.append(f"{tile}: {done or type(done).__name__}")
             else:
                 print(tile, done, "points", flush=True)
     if failed:
-        print(f"{len(failed)} of {len(arguments.tiles)} tiles could not be deformed:", *failed, sep="\n", file=sys.stderr)
+        print(f"{len(failed)} of {count} tiles could not be deformed:", *failed, sep="\n", file=sys.stderr)
     return 1 if failed else 0
 
 

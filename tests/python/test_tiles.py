@@ -9,6 +9,7 @@ import laspy
 import numpy as np
 import pytest
 from solve_thinned import read, tell_doubts
+from test_batch import write_ply
 from warp_las import targets, warp
 from warp_las_dask import warp_all
 
@@ -168,18 +169,14 @@ def test_landmarks_solved_on_thinned_tiles(tiles, tmp_path):
     assert abs(moved[0, 2] + 2) < 0.2 and abs(moved[1, 2]) < 0.1 and -1.9 < moved[2, 2] < -0.1
 
 
-def write_cloud(path, points):
-    path.write_bytes(f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n".encode() +
-                     b"property double x\nproperty double y\nproperty double z\nend_header\n" + points.astype("<f8").tobytes())
-    return path
-
-
 def test_tiles_in_ply_give_what_those_in_las_give(tiles, tmp_path):
     """The same landmarks and the same points; one point more has no place, as of a depth camera."""
     places = np.array([[10, 10], [90, 10], [10, 90], [90, 90], [50, 50.0]])
     start = np.column_stack([places, height(*places.T)]) + ORIGIN
     np.savetxt(tmp_path / "landmarks.csv", np.hstack([start, start - ([[0, 0, 0]] * 4 + [[0, 0, 3]])]), "%.4f", ",")
-    clouds = [write_cloud(tmp_path / f"{tile.stem}.PLY", np.vstack([xyz(laspy.read(tile)), [[np.nan] * 3]])) for tile in tiles]
+    clouds = [tmp_path / f"{tile.stem}.PLY" for tile in tiles]
+    for tile, cloud in zip(tiles, clouds):
+        write_ply(cloud, np.vstack([xyz(laspy.read(tile)), [[np.nan] * 3]]))
     for given, accuracy, name in ((tiles, "0.02", "las"), (clouds, "0.02", "ply"), (clouds, "0.002", "near")):
         subprocess.run([sys.executable, str(EXAMPLES / "solve_thinned.py"), str(tmp_path / "landmarks.csv"), str(tmp_path / name), "2",
                         "--accuracy", accuracy, *map(str, given)], check=True, timeout=300)
@@ -275,7 +272,7 @@ def test_a_bad_tile_is_told_at_the_end(sink, tiles, tmp_path):
     for script in ("warp_las.py", "warp_las_dask.py"):
         out = tmp_path / script
         done = subprocess.run([sys.executable, str(EXAMPLES / script), str(sink), str(out), str(bad), str(tiles[0]), str(tmp_path / "none.las"),
-                               str(tiles[1]), str(cut), str(less), str(scaleless)], text=True, capture_output=True, timeout=300)
+                               str(tiles[1]), str(cut), str(less), str(scaleless), str(tiles[0])], text=True, capture_output=True, timeout=300)
         assert done.returncode == 1 and done.stdout.count("20000 points") == 2
         said = done.stderr[done.stderr.index("5 of 7 tiles could not be deformed:"):]
         assert all(str(each) in said for each in (bad, cut, tmp_path / "none.las"))
