@@ -47,6 +47,10 @@ struct Bent {
         const auto isNearer = [&](const auto &a, const auto &b) { return (a - p).norm() < (b - p).norm(); };
         return std::size_t(std::min_element(position.begin(), position.end(), isNearer) - position.begin());
     }
+    /// The extent of a handle that turns a limb. \param root its vertex
+    auto turnedAt(std::size_t root, double usual, double hair = 0.01) {
+        return reach.whole({root}, reach.radiusAt(root, usual), hair);
+    }
     void addPoint(int tag, const Eigen::Vector3d &p, double radius, bool isGrip = false) {
         model.state.points[tag] = {nearest(p), radius, isGrip};
         update();
@@ -217,7 +221,7 @@ TEST(BendModel, ALimbBeginsWhereItGetsThicker) {
         const auto root = bent.reach.rootOfLimb(bent.nearest({x, 0, 0.08}), usual, 0.01);
         ASSERT_TRUE(root);
         EXPECT_NEAR(bent.position[*root][0], 0.05 + 0.16, 0.1) << "its thickness from there";
-        const auto joint = bent.reach.whole({*root}, bent.reach.radiusAt(*root, usual), 0.01)->joint;
+        const auto joint = bent.turnedAt(*root, usual)->joint;
         ASSERT_TRUE(joint);
         EXPECT_NEAR((*joint)[0], 0.05, 0.12);
         EXPECT_LT(std::hypot((*joint)[1], (*joint)[2]), 0.25 * 0.16) << "a quarter of its thickness";
@@ -263,7 +267,7 @@ TEST(BendModel, AllOfALimbTurnsAtOneJoint) {
         const std::size_t slot = bent.nearest(p);
         const auto root = bent.reach.rootOfLimb(slot, usual, 0.01, nearer);
         EXPECT_TRUE(root) << p.transpose();
-        const auto extent = bent.reach.whole({root.value_or(0)}, bent.reach.radiusAt(root.value_or(0), usual), 0.01);
+        const auto extent = bent.turnedAt(root.value_or(0), usual);
         EXPECT_TRUE(extent->joint) << p.transpose();
         EXPECT_GT(extent->shareOf(slot), 0.5f);
         return extent->joint ? (*extent->joint)[0] : -1.;
@@ -294,7 +298,7 @@ TEST(BendModel, ALimbMayWidenSlowlyIntoTheBody) {
         const std::size_t slot = bent.nearest({x, 0, thick(x)});
         const auto root = bent.reach.rootOfLimb(slot, 0.3, 0.01);
         ASSERT_TRUE(root) << x;
-        const auto extent = bent.reach.whole({*root}, bent.reach.radiusAt(*root, 0.3), 0.01);
+        const auto extent = bent.turnedAt(*root, 0.3);
         ASSERT_TRUE(extent->joint) << x;
         EXPECT_LT(thick((*extent->joint)[0]), 0.1) << "half as thick as the body: it was 0.13";
     }
@@ -330,8 +334,7 @@ TEST(BendModel, ABentLimbTurnsWhereItIsBent) {
         const auto slot = std::size_t((x + 1) / 2 * 299) * 32;
         const auto root = bent.reach.rootOfLimb(slot, usual, 0.01, nearer);
         EXPECT_TRUE(root) << degrees << ", " << x;
-        const auto joint =
-            bent.reach.whole({root.value_or(0)}, bent.reach.radiusAt(root.value_or(0), usual), 0.01)->joint;
+        const auto joint = bent.turnedAt(root.value_or(0), usual)->joint;
         EXPECT_TRUE(joint) << degrees << ", " << x;
         return joint.value_or(Eigen::Vector3d::Zero()).norm();
     };
@@ -363,7 +366,7 @@ TEST(BendModel, AStraightLimbWithAHandOrAFootHasAnElbow) {
         const auto slot = std::size_t((x + 1) / 2 * 399) * 32;
         const auto root = bent.reach.rootOfLimb(slot, 0.3, 0.01, nearer);
         EXPECT_TRUE(root) << x;
-        const auto extent = bent.reach.whole({root.value_or(0)}, bent.reach.radiusAt(root.value_or(0), 0.3), 0.01);
+        const auto extent = bent.turnedAt(root.value_or(0), 0.3);
         EXPECT_TRUE(extent->joint) << x;
         return extent->joint ? (*extent->joint)[0] : -1.;
     };
@@ -405,7 +408,7 @@ TEST(BendModel, AHeadAsThickAsItsNeckIsALimb) {
         const auto root = bent.reach.rootOfLimb(slot, usual, 0.01);
         ASSERT_TRUE(root);
         EXPECT_LT((bent.position[*root] - bent.position[nose]).norm(), 0.1);
-        const auto extent = bent.reach.whole({*root}, bent.reach.radiusAt(*root, usual), 0.01);
+        const auto extent = bent.turnedAt(*root, usual);
         ASSERT_TRUE(extent->joint);
         EXPECT_NEAR((*extent->joint)[0], 0.4, 0.15) << "in the neck";
         EXPECT_LT(std::hypot((*extent->joint)[1], (*extent->joint)[2]), 0.05);
@@ -528,7 +531,7 @@ TEST(BendModel, ALimbTurnsWithoutTheNextOne) {
         const auto root = bent.reach.rootOfLimb(slot, usual, hair);
         if (!root)
             continue;
-        const auto extent = bent.reach.whole({*root}, bent.reach.radiusAt(*root, usual), hair);
+        const auto extent = bent.turnedAt(*root, usual, hair);
         SCOPED_TRACE(testing::Message() << "from " << bent.position[slot].transpose());
         EXPECT_GT(extent->shareOf(slot), 0.5f) << "what is dragged goes along";
         const int own = numberOf(bent.position[slot]);
@@ -552,7 +555,7 @@ TEST(BendModel, AShortPointedEndIsALimb) {
         const std::size_t slot = bent.nearest({x, 0, 0.25 - 0.5 * (x - 0.5)});
         const auto root = bent.reach.rootOfLimb(slot, usual, 0.01);
         ASSERT_TRUE(root) << x;
-        const auto extent = bent.reach.whole({*root}, bent.reach.radiusAt(*root, usual), 0.01);
+        const auto extent = bent.turnedAt(*root, usual);
         ASSERT_TRUE(extent->joint) << x;
         EXPECT_NEAR((*extent->joint)[0], 0.6, 0.15) << "in the tail";
         EXPECT_LT(std::hypot((*extent->joint)[1], (*extent->joint)[2]), 0.05);
@@ -661,7 +664,7 @@ TEST(BendModel, ALimbOfLongFacesHasARoot) {
             if (const auto root = bent.reach.rootOfLimb(i, 0.3, 0.01)) {
                 ++turned;
                 ASSERT_LT(*root, figure.position.size());
-                EXPECT_GT(bent.reach.whole({*root}, bent.reach.radiusAt(*root, 0.3), 0.01)->shareOf(i), 0.5f);
+                EXPECT_GT(bent.turnedAt(*root, 0.3)->shareOf(i), 0.5f);
             }
         EXPECT_GT(turned, columns);
     }
