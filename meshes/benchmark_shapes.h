@@ -393,8 +393,8 @@ class ImplicitShape : public Shape {
 
   protected:
     void Prepare() override {
-        int levels = 0; // until the thinnest slab has one or two cells
-        while (std::ldexp(double(surface.VertexCount()), -2 * levels) > 600)
+        int levels = 0; // a model of less than 400 vertices has too few on a cactus's arm: evening out shortens it
+        while (std::ldexp(double(surface.VertexCount()), -2 * levels) > 4 * 400)
             ++levels;
         coarse.Coarsen(surface, levels);
         position.assign(coarse.VertexCount(), Vector3f::Zero());
