@@ -38,8 +38,8 @@ class Contact:
     def __repr__(self) -> str:
         return f"<Contact of {self.triangles} triangles, up to {self.largest_depth:g} deep>"
 
-    def _words(self) -> list[Told]:
+    def _words(self, remedy: str) -> list[Told]:
         if not self.triangles:
             return []
         return [(ContactWarning, f"{self.triangles} triangles pass through others and did not at rest: the surface reaches up to "
-                                 f"{self.largest_depth:g} into itself (Pose.contact tells where). Move the handles less.")]
+                                 f"{self.largest_depth:g} into itself (Pose.contact tells where). {remedy}")]

@@ -81,6 +81,7 @@ class FitInfo(PoseInfo):
 class Fitted(Pose):
     """A fitted surface, by [fit][pymeshlab_fcd.fit] or a [Fitter][pymeshlab_fcd.Fitter]. It has all that a [Pose][pymeshlab_fcd.Pose] has."""
 
+    _against_contact = "Give landmarks, or raise stiffness."
     _report: dict[str, Any]
 
     def __getstate__(self) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Final, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -93,6 +93,9 @@ class Pose(Unchanging):
     """A pose of a surface, by [Deformer.pose][pymeshlab_fcd.Deformer.pose]. It does not change, and its arrays are read-only. It can be pickled
     with its Deformer, which is prepared again only if it is needed."""
 
+    _against_contact: ClassVar[str] = "Move the handles less."
+    """What to do about contact, for the warning."""
+
     def __init__(self, deformer: Deformer, core: _core.Posed) -> None:
         self._deformer = deformer
         self._solved = _Solved(deformer, core)
@@ -169,7 +172,7 @@ class Pose(Unchanging):
             for each in (faces, depth):
                 each.flags.writeable = False
             self._contact = Contact(faces, pairs, largest, depth)
-            warn(self._contact._words(), level)
+            warn(self._contact._words(self._against_contact), level)
         return self._contact
 
     def _warn_of_contact(self, level: int) -> None:

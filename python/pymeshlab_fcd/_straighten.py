@@ -53,6 +53,7 @@ class Straightened(Pose):
     """A surface that was straightened, or bent along a line, by [straighten][pymeshlab_fcd.straighten]. It has all that a
     [Pose][pymeshlab_fcd.Pose] has."""
 
+    _against_contact = "Raise the smoothing of the line, or bend it less."
     _line: LineInfo
 
     @property

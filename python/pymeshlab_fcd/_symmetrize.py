@@ -75,6 +75,7 @@ class Symmetrized(Pose):
     """A surface that was made symmetric, by [symmetrize][pymeshlab_fcd.symmetrize]. It has all that a [Pose][pymeshlab_fcd.Pose] has. Its `map`
     carries other surfaces of the same scan along, and its `deformation` can be saved."""
 
+    _against_contact = "Give pairs, or look at those given, or raise stiffness."
     _symmetry: SymmetryInfo
     _mirrored: Points
     _matched: NDArray[np.bool_]

@@ -224,8 +224,9 @@ def test_a_target_that_lies_elsewhere_or_is_another():
     texts = [str(each.message) for each in caught]
     assert any("times larger than the surface. If the two have other units" in text for text in texts)
     assert not any("raise steps" in text for text in texts), "which is no help then"
-    with pytest.warns(DeformationWarning, match="The target is flat: the fit has pressed all matched parts"):
+    with pytest.warns(DeformationWarning, match="The target is flat: the fit has pressed all matched parts") as caught:
         fit(VERTICES, FACES, TARGET * [1, 1, 0] + [0, 0, 2], **{**QUICK, "steps": 5})
+    assert any("pass through others" in text and text.endswith("Give landmarks, or raise stiffness.") for text in map(str, (each.message for each in caught)))
 
 
 def bar(around, length=8):
