@@ -539,7 +539,11 @@ def _folder(parser: argparse.ArgumentParser, given: argparse.Namespace) -> conte
 
 def main(arguments: Sequence[str] | None = None) -> int:
     parser, jobs = _parsers()
-    given = parser.parse_args(arguments)
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    for word in words[:words.index("--")] if "--" in words else words:
+        if word.startswith("-") and Path(word).suffix and os.path.lexists(word):  # as of "*.ply"; not "-h"
+            parser.error(f"{shown(word)} begins with a dash, as an option does: write ./{shown(word)}")
+    given = parser.parse_args(words)
     if "" in [given.out, *given.files]:  # as of a variable of the shell that is not set
         parser.error("a name is empty: give files, and a folder for --out")
     paths = list(dict.fromkeys(Path(each) for each in given.files))

@@ -390,6 +390,17 @@ def test_names_may_have_any_characters(tmp_path):
     assert {name for name in os.listdir(os.fsencode(tmp_path / "o")) if name.endswith(b".ply")} == set(names)
 
 
+def test_a_name_that_begins_as_an_option_does_is_told_how_to_write(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    vertices, faces, tags, _ = bar(9, 3)
+    for name in ("-help.ply", "b.ply"):
+        write_ply(tmp_path / name, vertices, faces, tags)
+    for command in (["deform", "-help.ply", "b.ply", "--out", "o"], ["fit", "b.ply", "-help.ply", "--out", "o"]):
+        assert "-help.ply begins with a dash, as an option does: write ./-help.ply" in refused(capsys, command) and not (tmp_path / "o").exists()
+    assert main(["deform", "--out", "o", "--", "-help.ply"]) == 0 and main(["deform", "./-help.ply", "b.ply", "--out", "o"]) == 0
+    assert "1 of 2 files are done already" in capsys.readouterr().out
+
+
 def test_motions_and_folders_that_cannot_be_are_refused_at_once(tmp_path, capsys):
     vertices, faces, tags, _ = bar(9, 3)
     write_ply(tmp_path / "a.ply", vertices, faces, tags)
