@@ -406,7 +406,8 @@ def test_motions_and_folders_that_cannot_be_are_refused_at_once(tmp_path, capsys
     write_ply(tmp_path / "a.ply", vertices, faces, tags)
     for moves, message in ((["two", "translate 0 0 1"], "--move two 'translate 0 0 1': the first is the tag of a handle, a whole number from 2"),
                            (["1", "translate 0 0 1"], "a whole number from 2"), (["2", "rotat 0 0 1"], "expected 'translate', 'rotate'"),
-                           (["2", "3: translate 0 0 1"], "without its tag"), (["2", "scale 0"], "must be greater than 0"),
+                           (["2", "3: translate 0 0 1"], "without its tag"),
+                           (["2", "translate 0,5 0 1"], "write decimals with a point, as in 0.5"), (["2", "scale 0"], "must be greater than 0"),
                            (["2", "translate 0 0 1", "--move", "2", "translate 0 0 2"], "handle 2 moves already")):
         assert message in refused(capsys, ["deform", tmp_path / "a.ply", "--move", *moves, "--out", tmp_path / "o"])
     assert not (tmp_path / "o").exists()

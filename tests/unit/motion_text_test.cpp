@@ -159,6 +159,20 @@ TEST(MotionText, ReadsNumbersOfThousandsOfDigits) {
 
 // --- errors ---
 
+TEST(MotionText, TellsOfDecimalCommas) {
+    const auto isTold = [](const std::string &steps) {
+        const std::string message = MessageOf<Error>([&] { ReadMotionText("2: " + steps); });
+        EXPECT_NE(message.find("expected"), std::string::npos) << steps;
+        return message.find("write decimals with a point, as in 0.5.") != std::string::npos;
+    };
+    for (const char *meant : {"translate 0,5 0 1", "rotate 0 0 1 22,5", "scale 1,5", "scale 1 1 1,5; 3: scale 2",
+                              "rotate 1 0 0 30 about 0,5 0 1", "rotate 0 0 1 30 about 0 0 0,5,5"})
+        EXPECT_TRUE(isTold(meant)) << meant;
+    for (const char *other : {"translate 0,0,1 about", "translate 0 5", "translate 0, 5 0 1", "rotate 0,0,1 30 foo",
+                              "translate 0,0,1 scale 1 2"})
+        EXPECT_FALSE(isTold(other)) << other;
+}
+
 TEST(MotionText, SaysWhereWhatWasFoundAndWhatExpected) {
     struct Case {
         std::string text;

@@ -4,6 +4,7 @@
 #include <vcg_ext/base/words.h>
 #include <vcg_ext/handles/motion_text.h>
 
+#include <cctype>
 #include <cmath>
 #include <limits>
 
@@ -130,8 +131,20 @@ class MotionTextReader {
                 ++end;
     }
 
+    /// Whether a number is missing or too many after a comma between two digits, which may stand for a decimal point.
+    bool FollowsDecimalComma() const {
+        const auto isDigit = [this](std::size_t at) { return at < text.size() && text[at] >= '0' && text[at] <= '9'; };
+        if (!AtEnd() && !IsMark(text[begin]) && !detail::LooksLikeNumber(text.data() + begin, text.data() + end))
+            return false;
+        for (std::size_t at = end; at-- > 0 && !std::isalpha(static_cast<unsigned char>(text[at]));)
+            if (text[at] == ',' && isDigit(at + 1) && at > 0 && isDigit(at - 1))
+                return true;
+        return false;
+    }
+
     [[noreturn]] void Expected(const std::string &what) const {
-        Fail("expected " + what + ", found " + (AtEnd() ? "the end" : detail::Excerpt(text, begin, end)));
+        Fail("expected " + what + ", found " + (AtEnd() ? "the end" : detail::Excerpt(text, begin, end)) +
+             (FollowsDecimalComma() ? ". Commas separate numbers: write decimals with a point, as in 0.5" : ""));
     }
 
     [[noreturn]] void Fail(const std::string &what) const { Fail(what, begin); }
