@@ -36,12 +36,18 @@ namespace {
 
 struct Poses {
     PoseSequence sequence;
+    QString file;     ///< empty: the layer keeps them
     std::string name; ///< of the file, or of the layer
 
     /// \throw Error they are of another surface
     PoseSequence of(const SurfaceMark &surface) && {
         try {
-            sequence.ExpectSurface(surface);
+            if (file.isEmpty())
+                sequence.ExpectSurface(surface,
+                                       "Bring it back to where it was ('FCD: Reset Pose' brings a shape back), "
+                                       "or give poses for it as 'poses_file'.");
+            else
+                sequence.ExpectSurface(surface);
         } catch (const Error &e) {
             throw Error("'" + name + "': " + e.what());
         }
@@ -55,12 +61,12 @@ Poses findPoses(const MeshModel &layer, const QString &file) {
     const std::string name = file.toStdString();
     if (file.isEmpty()) {
         if (std::optional<PoseSequence> sequence = posesOf(layer))
-            return {std::move(*sequence), layer.label().toStdString()};
+            return {std::move(*sequence), file, layer.label().toStdString()};
         throw Error("The layer " + inQuotes(layer) +
-                    " keeps no poses: layers that are saved and loaded, or copied, lose them. Give the .csv file with "
-                    "the poses as 'poses_file'.");
+                    " keeps no poses: layers that are saved and loaded, or copied, lose them. Load its session ('FCD: "
+                    "Load Session'), or give the .csv file with the poses as 'poses_file'.");
     }
-    return {vcg::fcd::ReadPoseSequence(vcg::fcd::ReadFile(pathOf(file), most), name), name};
+    return {vcg::fcd::ReadPoseSequence(vcg::fcd::ReadFile(pathOf(file), most), name), file, name};
 }
 
 } // namespace

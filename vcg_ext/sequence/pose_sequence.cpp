@@ -116,10 +116,10 @@ void PoseSequence::Validate() const {
     }
 }
 
-void PoseSequence::ExpectSurface(const SurfaceMark &other) const {
+void PoseSequence::ExpectSurface(const SurfaceMark &other, const std::string &remedy) const {
     if (surface && !surface->IsSame(other))
         throw BadInput("The poses are of another surface, or of this one at another place: of " + MarkText(*surface) +
-                       ", while this one has " + MarkText(other) + ". To use them anyway, delete the row 'surface'.");
+                       ", while this one has " + MarkText(other) + ". " + remedy);
 }
 
 PoseSequence ReadPoseSequence(const std::string &text, const std::string &name) {

@@ -63,7 +63,8 @@ struct PoseSequence {
     void Validate() const;
 
     /// \param other the surface that is to be posed \throw BadInput the poses are known to be of another one
-    void ExpectSurface(const SurfaceMark &other) const;
+    void ExpectSurface(const SurfaceMark &other,
+                       const std::string &remedy = "To use them anyway, delete the row 'surface'.") const;
 };
 
 /// Reads a table of poses, a row on each line. Cells are separated by commas, semicolons or tabs, as after the first
