@@ -117,8 +117,10 @@ bool writePose(CMeshO &mesh, RestShape &rest, const Prepared &prepared, const vc
 void resetPose(const MeshDocument &document, MeshModel &layer, const ResetPoseParam &param, const Remark &remark) {
     handDownRest(document, layer);
     if (!RestShape::inherit(document, layer))
-        throw Error("The layer " + inQuotes(layer) +
-                    " has not been posed in place, so there is no other shape to go back to.");
+        throw Error(
+            "The layer " + inQuotes(layer) +
+            " has not been posed in place, so there is no other shape to go back to. If a filter has replaced its "
+            "whole mesh since, its rest shapes are gone with the old mesh.");
     if (param.keepShape) {
         RestShape::keep(document, layer);
         return;

@@ -610,6 +610,18 @@ def is_moved_alike(ms, change):
     return expected.shape == found.shape and np.abs(expected - found).max() < 1e-12
 
 
+@pytest.mark.skipif("apply_coord_cubic_stylization" not in pymeshlab.filter_list(), reason="this pymeshlab has no filter that replaces a mesh")
+def test_what_went_with_a_replaced_mesh_is_told():
+    ms, _ = tagged_and_posed()
+    ms.apply_filter("apply_coord_cubic_stylization")
+    with pytest.raises(pymeshlab.PyMeshLabException, match="If a filter has replaced its whole mesh since, its rest shapes are gone with the old mesh"):
+        ms.apply_filter(RESET)
+    ms.compute_selection_by_condition_per_vertex(condselect="x > 0.75")
+    ms.apply_filter("compute_fcd_tags_from_selection", role=2)  # begins anew
+    ms.apply_filter(POSE, **BEND)
+    ms.apply_filter(RESET)
+
+
 def reset_of(change):
     ms, rest = tagged_and_posed()
     CHANGES[change](ms)
