@@ -5,16 +5,10 @@
 #include <vcg_ext/handles/motion_text.h> // before Qt
 
 #include "parameters.h"
+#include "tag_sources.h"
 
 #include <map>
 #include <vector>
-
-/// The tags of \p layer, one per vertex slot. If nothing is tagged, all is free with point handles or param.mayLack.
-/// \throw vcg::fcd::Error they cannot be read
-std::vector<int> readTags(const MeshModel &layer, const HandleParam &param);
-
-/// Whether \p layer has marks, or a quality that may be tags: whole numbers that no filter here has measured.
-bool mayHaveTags(const MeshModel &layer);
 
 /// Tags (one per vertex slot) and point handles of \p layer, without motions.
 /// \param rest positions per vertex slot; null: the layer is at rest \throw vcg::fcd::Error they cannot be read

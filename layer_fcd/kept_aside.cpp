@@ -110,6 +110,15 @@ void takeTags(const MeshModel &layer, const std::vector<int> &tag, bool color, b
     }
 }
 
+std::vector<int> writtenTags(const MeshModel &layer) {
+    std::vector<int> tag(layer.cm.vert.size(), 1);
+    if (const KeptScan *scan = scanOf(layer); scan && scan->quality) {
+        const KeptVertices kept(layer, *scan);
+        forVertices(layer.cm, [&](std::size_t i) { tag[i] = kept.tag(i); });
+    }
+    return tag;
+}
+
 BroughtBack bringBack(const MeshDocument &document, MeshModel &layer) {
     if (const LayerState *state = LayerState::of(layer))
         handDownScan(document, *state);

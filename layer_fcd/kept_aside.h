@@ -42,6 +42,10 @@ void bringBackTo(const MeshDocument &document, MeshModel &copy, const MeshModel 
 /// The colours that bringBackTo gives a copy, by slots of \p layer; empty: none.
 std::vector<vcg::Color4b> ownColors(const MeshDocument &document, const MeshModel &layer);
 
+/// The tags that a filter wrote into the quality of \p layer, one per vertex slot, whatever its quality is now. New
+/// vertices are free, and so are all if none wrote any.
+std::vector<int> writtenTags(const MeshModel &layer);
+
 /// A colour as a number.
 std::uint32_t numberOf(const vcg::Color4b &color);
 
@@ -55,6 +59,8 @@ class KeptVertices {
 
     /// Whether a vertex is one that was tagged.
     bool isOld(std::size_t i) const { return isKnown[i] != 0; }
+    /// The tag that was written into its quality; 1, free, if none was.
+    int tag(std::size_t i) const { return isOld(i) && vertexOf(i).hasQuality() ? vertexOf(i).tag : 1; }
     /// The colour of its tag.
     std::uint32_t tagColor(std::size_t i) const { return isOld(i) ? vertexOf(i).tagColor : 0; }
 

@@ -42,7 +42,7 @@ struct BuildGraphParam {
 
 /// Where tags and motions of the handles come from. Motions are in world coordinates, after the layer's matrix.
 struct HandleParam {
-    /// Known: marks, or the quality if a filter for tags wrote it; else all is free.
+    /// Known: marks, or the tags that a filter wrote into the quality, whatever it is now; else all is free.
     enum Source { Quality, Selection, Attribute, Files, Known };
     enum Center { Barycenter, Origin, Point };
 

@@ -49,6 +49,10 @@ const vcg::PointerToAttribute *expectFit(const CMeshO &mesh, const std::vector<i
     return attribute;
 }
 
+/// How to tag a layer whose quality is no tags.
+const char *const freshQuality = "set its quality to 0 everywhere, or give the name of a new attribute as "
+                                 "'tag_attribute' to leave the quality as it is";
+
 /// The tags of \p layer, one per vertex slot; all free if it has none yet. \throw Error it has numbers that are no tags
 std::vector<int> presentTags(const MeshModel &layer, const TagTarget &target) {
     const CMeshO &mesh = layer.cm;
@@ -66,13 +70,11 @@ std::vector<int> presentTags(const MeshModel &layer, const TagTarget &target) {
     try {
         return readTags(layer, source);
     } catch (const Error &e) {
-        throw Error(
-            std::string(e.what()) +
-            (target.attribute.isEmpty()
-                 ? " To tag this layer from the beginning, set its quality to 0 everywhere, or give the name of "
-                   "a new attribute as 'tag_attribute' to leave the quality as it is."
-                 : " To tag this layer from the beginning, give the name of a new attribute as "
-                   "'tag_attribute'."));
+        throw Error(std::string(e.what()) +
+                    (target.attribute.isEmpty()
+                         ? std::string(" To tag this layer from the beginning, ") + freshQuality + "."
+                         : " To tag this layer from the beginning, give the name of a new attribute as "
+                           "'tag_attribute'."));
     }
 }
 
@@ -134,7 +136,7 @@ TagCount writeTags(const MeshDocument &document, MeshModel &layer, const std::ve
 namespace {
 
 /// The tags of \p layer, changed for selected vertices and the vertices of selected faces.
-std::vector<int> withSelection(const MeshModel &layer, const TagParam &param) {
+std::vector<int> withSelection(const MeshModel &layer, const TagParam &param, const Remark &remark) {
     const CMeshO &mesh = layer.cm;
     std::vector<char> selected = onSelectedFaces(layer);
     for (std::size_t i = 0; i < selected.size(); ++i)
@@ -147,19 +149,21 @@ std::vector<int> withSelection(const MeshModel &layer, const TagParam &param) {
                        : param.role == TagParam::Outside ? -1
                                                          : param.handleNumber;
     std::vector<int> tag = presentTags(layer, param.target);
+    if (param.target.attribute.isEmpty())
+        tellTakenForTags(layer, tag, std::string("run 'FCD: Clear Tags', then ") + freshQuality, remark);
     for (std::size_t i = 0; i < tag.size(); ++i)
         if (selected[i])
             tag[i] = wanted;
     return tag;
 }
 
-std::vector<int> tagsFor(const MeshModel &layer, const TagParam &param) {
+std::vector<int> tagsFor(const MeshModel &layer, const TagParam &param, const Remark &remark) {
     HandleParam source;
     if (param.role == TagParam::FromFile) {
         source.source = HandleParam::Files;
         source.tagFile = param.tagFile;
     } else if (param.role != TagParam::AsTheyAre) {
-        return withSelection(layer, param);
+        return withSelection(layer, param, remark);
     } else if (!param.target.attribute.isEmpty()) {
         source.source = HandleParam::Attribute;
         source.tagAttribute = param.target.attribute;
@@ -211,7 +215,7 @@ void writeFiles(const MeshDocument &document, const MeshModel &layer, const std:
 } // namespace
 
 TagCount tagLayer(const MeshDocument &document, MeshModel &layer, const TagParam &param, const Remark &remark) {
-    const std::vector<int> tag = tagsFor(layer, param);
+    const std::vector<int> tag = tagsFor(layer, param, remark);
     if (param.role != TagParam::AsTheyAre)
         expectFit(layer.cm, tag, param.target);
     writeFiles(document, layer, tag, param.save, remark); // before the layer is changed

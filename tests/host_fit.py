@@ -615,6 +615,9 @@ def test_a_layer_that_is_fixed_everywhere_and_one_without_vertices():
     ms, _ = pair()
     ms.apply_filter("compute_selection_by_condition_per_face", condselect="1")
     check_error(ms, "There is nothing to fit", handles=1)
+    set_quality(ms, "751")
+    check_error(ms, "counts as tags, since its numbers are whole, and none is 1: no vertex is free. If it is something else (a label, a measure), choose "
+                    "'Tags of the layer' (4) as 'handles'. Otherwise tag what may bend with 1.")
     ms.add_mesh(pymeshlab.Mesh(np.eye(3)), "empty")
     ms.apply_filter("set_selection_all")
     ms.apply_filter("meshing_remove_selected_vertices")
@@ -630,6 +633,27 @@ def test_a_matrix_that_is_not_finite():
     ms, _ = pair()
     ms.apply_filter("set_matrix", transformmatrix=np.diag([np.inf, 1, 1, 1]), freeze=False)
     check_error(ms, "holds a number that is not finite")
+
+
+def test_a_quality_that_is_taken_for_tags_is_told(capfd):
+    told = "counts as tags, since its numbers are whole: {} vertices are not free. If it is something else (a label, a measure), choose 'Tags of the layer' (4)"
+    ms, _ = pair()
+    source = ms.current_mesh().id()
+    set_quality(ms, "z < 0.5 ? 0 : 1")
+    fixed = np.count_nonzero(ms.current_mesh().vertex_scalar_array() == 0)
+    for handles, is_told in ((0, True), (4, False)):
+        ms.set_current_mesh(source)
+        assert (told.format(fixed) in fit_logged(ms, capfd, handles=handles, **FEW)[1]) == is_told
+    ms.set_current_mesh(source)
+    set_quality(ms, "0")
+    ms.compute_selection_by_condition_per_vertex(condselect="z < 0.5")
+    ms.apply_filter("compute_fcd_tags_from_selection", role=0)
+    assert "counts as tags" not in fit_logged(ms, capfd, **FEW)[1], "they are known to be tags"
+    ms.set_current_mesh(source)
+    set_quality(ms, "z + 0.125")
+    assert "All is free: the vertex quality of 'tube' is not what 'FCD: Tag' wrote" in fit_logged(ms, capfd, **FEW)[1]
+    ms.set_current_mesh(source)
+    assert fit(ms, handles=4, **FEW)[0]["fixed_vertices"] == fixed
 
 
 def test_a_quality_is_tags_where_a_filter_for_tags_wrote_it():

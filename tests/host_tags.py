@@ -538,3 +538,50 @@ def test_what_a_host_makes_of_tagged_layers_has_their_own_colours_back(by, first
         else:
             assert np.array_equal(c, tagged)  # of the cube
     assert known > 100
+
+
+@pytest.mark.parametrize("now", ["x + 0.125", "0", "x < 0.5 ? 3 : 1"])
+def test_written_tags_count_whatever_the_quality_is_now(now):
+    ms, other = coloured(), coloured()
+    for each in ms, other:
+        set_quality(each, "0")
+        tag_ends(each)
+    tags = look(ms)[1]
+    set_quality(ms, now)
+    quality = look(ms)[1]
+    if now != "x < 0.5 ? 3 : 1":  # which may be tags that are meant
+        with pytest.raises(pymeshlab.PyMeshLabException, match="is not what 'FCD: Tag' wrote: .*choose 'Tags of the layer' .4. as 'handles'"):
+            ms.apply_filter(DEFORM, graph_layers=False, **BEND)
+    result = ms.apply_filter(DEFORM, graph_layers=False, handles=4, **BEND)
+    assert (result["fixed_vertices"], result["handle_vertices"]) == ((tags == 0).sum(), (tags == 2).sum())
+    other.apply_filter(DEFORM, graph_layers=False, **BEND)
+    assert same_points(ms.current_mesh().vertex_matrix(), other.current_mesh().vertex_matrix())
+    ms.set_current_mesh(0)
+    assert same_points(look(ms)[1], quality)
+    ms.apply_filter("meshing_surface_subdivision_midpoint", iterations=1)  # new vertices are free
+    result = ms.apply_filter(DEFORM, graph_layers=False, handles=4, **BEND)
+    assert (result["fixed_vertices"], result["handle_vertices"]) == ((tags == 0).sum(), (tags == 2).sum())
+    ms.set_current_mesh(0)
+    ms.apply_filter(CLEAR)
+    with pytest.raises(pymeshlab.PyMeshLabException, match="no vertex has a tag of 2 or more"):
+        ms.apply_filter(DEFORM, graph_layers=False, handles=4, **BEND)
+
+
+def test_a_quality_that_is_taken_for_tags_is_told(capfd):
+    """Labels, or what a scanner writes, are whole numbers, too."""
+    def log_of(ms):
+        ms.compute_selection_by_condition_per_vertex(condselect="x < 0.25")
+        ms.set_verbosity(True)
+        capfd.readouterr()
+        ms.apply_filter(TAG, role=0)
+        return capfd.readouterr().err
+
+    told = "counts as tags, since its numbers are whole: {} vertices are not free. If it is something else (a label, a measure), run 'FCD: Clear Tags'"
+    ms = clean_bone()
+    set_quality(ms, "751")
+    assert told.format(ms.current_mesh().vertex_number()) in log_of(ms)
+    assert "counts as tags" not in log_of(ms), "now they are known to be tags"
+    for free in "01":
+        ms = clean_bone()
+        set_quality(ms, free)
+        assert "counts as tags" not in log_of(ms)

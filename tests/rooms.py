@@ -37,7 +37,7 @@ PLUGIN_FLOORS = {
         " layer_normals picked_points save_files weight_sources",
         "layer_state prepared_layers kept_graph inherited kept_tool measured_quality session_format layer_contents rest_shape kept_aside"
         " session_parts session_file",  # the state of a layer, which the document keeps
-        "handle_sources point_sources",
+        "handle_sources tag_sources point_sources",
         "new_layers pose_in_place tagging deformation_uses graph_layer layer_fitter layer_straightener layer_corrections"
         " layer_deformer layer_sequence layer_look",
     ],
