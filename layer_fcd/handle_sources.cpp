@@ -77,7 +77,11 @@ QString withLayers(const QString &steps, const MeshDocument &document, const Mes
             result += " " + QString::number(k < 12 ? matrix(k / 4, k % 4) : k == 15, 'g', 17);
         end = match.capturedEnd();
     }
-    return result + steps.mid(end);
+    result += steps.mid(end);
+    if (result.contains(QRegularExpression("\\blayer\\b", QRegularExpression::CaseInsensitiveOption)))
+        throw Error("transforms has 'layer' without a name in quotes. Write layer 'NAME', with the name as the list of "
+                    "layers shows it.");
+    return result;
 }
 
 Eigen::Vector3d extentOf(const CMeshO &mesh) {

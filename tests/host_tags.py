@@ -262,6 +262,8 @@ def test_a_handle_moves_as_another_layer_lies():
     ms.set_current_mesh(0)
     with pytest.raises(pymeshlab.PyMeshLabException, match="no layer has that name"):
         ms.apply_filter(DEFORM, transforms='2: layer "nobody"')
+    with pytest.raises(pymeshlab.PyMeshLabException, match="'layer' without a name in quotes. Write layer 'NAME'"):
+        ms.apply_filter(DEFORM, transforms="2: layer nobody")
     ms.add_mesh(pymeshlab.Mesh(mesh.vertex_matrix(), mesh.face_matrix()))
     ms.apply_filter("set_mesh_name", newname=label)
     ms.set_current_mesh(0)
