@@ -153,7 +153,11 @@ class Window:
             self.meshlab = subprocess.Popen([str(MESHLAB), *map(str, meshes)], env={**os.environ, **self.environment}, stdout=log, stderr=log,
                                             stdin=subprocess.DEVNULL, cwd=folder)
         self.processes = [self.screen.server.pid, self.manager.pid, self.meshlab.pid]
-        self.wait("Opened mesh" if meshes and meshes[0].suffix == ".mlp" else "All files opened", len(meshes))
+        project = meshes[0].name if meshes and meshes[0].suffix == ".mlp" else ""
+        if project and VERSION != "2020.09":  # of which the newer ones log nothing
+            self.until(project, lambda: project in self.title())
+        else:
+            self.wait("Opened mesh" if project else "All files opened", len(meshes))
         self.wait_for_title("MeshLab")
         self.settle()
 

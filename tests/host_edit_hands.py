@@ -181,7 +181,7 @@ def test_a_handle_turns_about_a_place_of_itself(window, tmp_path):
     w.do("mousemove", X, Y - 200)
     w.key("p", "r", "z", "9", "0", "Return")
     turned = load(w.save("turned_again.ply"))[0]
-    assert np.abs(turned[right].mean(0) - points[right].mean(0)).max() < 0.15
+    assert np.abs(turned[right].mean(0) - points[right].mean(0)).max() < 0.2 # about the joint it would be 0.4
 
 
 LIMB = np.linspace(-1, 1, 120), 32, 0.08
@@ -248,7 +248,7 @@ def test_what_lies_beyond_a_handle_goes_along(window, tmp_path):
     """A hand that was posed, with its elbow, pulled or turned, as it was posed; but not where it is locked."""
     w, points = tip_of_a_limb(window, tmp_path)
     faces = tube_of(*LIMB)[1]
-    hand, body = points[:, 0] > 0.55, points[:, 0] < -0.05
+    hand, body = points[:, 0] > 0.55, points[:, 0] < -0.1 # beyond the reach in any window: the newer ones show it larger
     w.drag((X + 200, Y), (X + 200, Y - 50))
     posed = load(w.save("posed.ply"))[0]
     assert np.linalg.norm(posed - points, axis=1)[hand].max() > 0.15

@@ -135,7 +135,7 @@ def test_the_line_that_is_used_is_shown(window, tmp_path):
     w.shot("middle")
     at = lambda x, y: colored(w, (X + round(285 * x), Y - y), LIT)
     assert at(0, 0) > 20 and at(0, 45) == 0 and at(-0.3, 45) > 20 # the points are where they were clicked
-    assert length == pytest.approx(1.5, abs=0.02)
+    assert length == pytest.approx(1.5, abs=0.03) # in newer windows a pixel is another part of it
     state = state_text(w)
     w.key("ctrl+z")
     w.until("line of 3 points", lambda: lines_found(w)[-1][0] == 3)
@@ -239,6 +239,6 @@ def test_a_layer_is_not_changed_by_a_line(window, tmp_path):
     straighten(w) # after which the list is written anew
     choose_layer(w, 0)
     w.shot("unchanged")
-    left, end = {"2025.07": (1002, 108)}.get(VERSION, (1027, 117)) # of the names in the list
+    left, end = {"2020.09": (1027, 117), "2022.02": (1043, 108), "2025.07": (1002, 108)}[VERSION] # of the names in the list
     behind = lambda row, x: np.ptp(np.asarray(w.picture().convert("L"))[122 + 31 * row:142 + 31 * row, left + x:left + 130]) # where a star is
     assert behind(0, 32) == 0 and behind(2, end) > 50
