@@ -82,6 +82,8 @@ HostFilterPlugin::ReturnedValues FilterFcd::run(int id, const RichParameterList 
         lastValues.keep(id, parameters, document, meant(id, *document.mm(), document));
     const Progress progress(callback);
     MeshModel &layer = input(document);
+    if (parameters.hasParameter("handles") && parameters.getEnum("handles") == HandleParam::Known)
+        inheritScan(document, layer);
     switch (id) {
     case BuildGraph: return buildGraph(parameters, document, layer, progress);
     case DeformMesh: return deformMesh(parameters, document, layer, progress);

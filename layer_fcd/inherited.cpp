@@ -223,9 +223,13 @@ bool handDownScan(const MeshDocument &document, const LayerState &state) {
                     [&state](const MeshModel &layer) { return inheritedScan(layer, {&state}); });
 }
 
-void inheritState(const MeshDocument &document, MeshModel &layer) {
-    RestShape::inherit(document, layer);
+void inheritScan(const MeshDocument &document, MeshModel &layer) {
     if (!LayerState::known(layer).scan)
         if (std::optional<KeptScan> found = inheritedScan(layer, LayerState::ofOthers(document, layer)))
             LayerState::made(document, layer).scan = std::move(found);
+}
+
+void inheritState(const MeshDocument &document, MeshModel &layer) {
+    RestShape::inherit(document, layer);
+    inheritScan(document, layer);
 }

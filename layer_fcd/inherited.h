@@ -20,6 +20,9 @@ std::optional<RestState> inheritedRest(const MeshModel &layer, const std::vector
 /// with colours or quality of their tags. None if there are no such vertices. \param sources states of other layers
 std::optional<KeptScan> inheritedScan(const MeshModel &layer, const std::vector<const LayerState *> &sources);
 
+/// Gives a copy what its original has of these, unless it has its own: tags, with the colours and quality under them.
+void inheritScan(const MeshDocument &document, MeshModel &layer);
+
 /// Gives a copy what its original has of both, unless it has its own.
 void inheritState(const MeshDocument &document, MeshModel &layer);
 

@@ -587,3 +587,24 @@ def test_a_quality_that_is_taken_for_tags_is_told(capfd):
         ms = clean_bone()
         set_quality(ms, free)
         assert "counts as tags" not in log_of(ms)
+
+
+@pytest.mark.parametrize("copied", ["generate_copy_of_current_mesh", "generate_by_merging_visible_meshes", "generate_from_selected_faces", "save"])
+def test_a_copy_has_the_tags_that_were_written(tmp_path, copied):
+    ms = coloured()
+    set_quality(ms, "0")
+    tag_ends(ms)
+    tags = look(ms)[1]
+    if copied == "save":
+        ms.save_current_mesh(str(tmp_path / "copy.ply"))
+        ms.load_new_mesh(str(tmp_path / "copy.ply"))
+    else:
+        ms.apply_filter("set_selection_all")
+        ms.apply_filter(copied)
+    copy = ms.current_mesh_id()
+    for now in ("", "x + 0.125"):  # once it is known
+        ms.set_current_mesh(copy)
+        if now:
+            set_quality(ms, now)
+        result = ms.apply_filter(DEFORM, graph_layers=False, handles=4, **BEND)
+        assert (result["fixed_vertices"], result["handle_vertices"]) == ((tags == 0).sum(), (tags == 2).sum())
