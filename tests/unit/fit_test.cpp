@@ -207,7 +207,7 @@ TEST(Fit, CarriesAlongWhatHasNoCounterpart) {
     EXPECT_GT(lies, (sanitized ? 0.85 : 0.9) * there);
 }
 
-// Half of the target is missing, and that half of the source has not moved: it stays.
+// Half of the target is missing, a mesh or points, and that half of the source has not moved: it stays.
 TEST(Fit, WhatHasNoCounterpartIsStiff) {
     const auto bent = [](Vector3d p) { // where x is above 6.5
         const double beyond = std::max(p[0] - 6.5, 0.0);
@@ -219,12 +219,35 @@ TEST(Fit, WhatHasNoCounterpartIsStiff) {
         p = bent(p);
     for (Vector3d &p : half.position)
         p = bent(p);
+    const auto isLeft = [](const Vector3d &p) { return p[0] < 4; };
     half.face.erase(std::remove_if(half.face.begin(), half.face.end(),
-                                   [&](const auto &f) { return half.position[std::size_t(f[0])][0] < 4; }),
+                                   [&](const auto &f) { return isLeft(half.position[std::size_t(f[0])]); }),
                     half.face.end());
-    const Fitted fitted = Fit(source, half);
-    EXPECT_LT(Rms(fitted, there, [](std::size_t i) { return source.position[i][0] > 4.2; }), 0.0042);
-    EXPECT_LT(Rms(fitted, there, [](std::size_t i) { return source.position[i][0] < 3.8; }), 0.0042);
+    Shape points = half;
+    points.face.clear();
+    points.position.erase(std::remove_if(points.position.begin(), points.position.end(), isLeft),
+                          points.position.end());
+    for (const Shape &each : {half, points}) {
+        const Fitted fitted = Fit(source, each);
+        EXPECT_LT(Rms(fitted, there, [](std::size_t i) { return source.position[i][0] > 4.2; }), 0.0042);
+        EXPECT_LT(Rms(fitted, there, [](std::size_t i) { return source.position[i][0] < 3.8; }), 0.0042);
+    }
+}
+
+// The end of a cloud is known to about a spacing: where the surface ends with it, it draws the rim. Nothing else tells
+// where in its plane a flat sheet lies.
+TEST(Fit, TheEndOfACloudDrawsTheRim) {
+    const auto flat = [](int nx, int ny, double shift) {
+        Shape shape = Grid(nx, ny);
+        for (Vector3d &p : shape.position)
+            p = {p[0] * 10 / (nx - 1) + shift, p[1] * 6 / (ny - 1), 0};
+        return shape;
+    };
+    const double shift = 0.2;
+    Shape cloud = flat(115, 67, shift);
+    cloud.face.clear();
+    const Fitted fitted = Fit(flat(40, 25, 0), cloud);
+    EXPECT_LT(Rms(fitted, flat(40, 25, shift)), 0.9 * shift / std::hypot(10, 6));
 }
 
 // Half of the target is missing, and the source has bent there, too: the carried half must not hold back the matched
@@ -1343,7 +1366,6 @@ TEST(Fit, TargetTellsWhereACloudEnds) {
             const MeshD points(BallOfPoints(4000, noise * spacing, keeps));
             const Arrays arrays = Read(points);
             FitTarget cloud(arrays.View(), {}, Eigen::Affine3d::Identity());
-            cloud.reachesFarther = true;
             int asked = 0, found = 0;
             for (const Vector3d &p : BallOfPoints(500, 0, isAsked).position)
                 for (const double radius : radii) {

@@ -35,6 +35,27 @@ constexpr double nearest = 1.5, farthest = 3;
 // deviations are no noise, and count as three.
 constexpr double deviation = 1.4826, mostOfMedian = 3 * deviation;
 
+// So many samples around one tell whether it lies at a rim of the surface: if their mean lies beside it, by more than
+// this share of their reach (Bendels, Schnabel and Klein 2006). At a straight rim it is 4 / (3 pi) = 0.42, elsewhere 0.
+constexpr std::size_t aroundOne = 24;
+constexpr double besideIt = 0.3;
+
+/// How many of some points of equal area lie at a rim of their surface.
+std::size_t CountOnRim(const std::vector<Eigen::Vector3d> &at, const std::vector<Eigen::Vector3d> &normal) {
+    const PointTree<double> tree(at);
+    std::vector<PointTree<double>::Neighbour> nearest;
+    std::size_t onRim = 0;
+    for (std::size_t s = 0; s < at.size(); ++s) {
+        tree.Nearest(at[s], aroundOne, nearest);
+        Eigen::Vector3d off = Eigen::Vector3d::Zero();
+        for (const auto &each : nearest)
+            off += (at[std::size_t(each.point)] - at[s]) / double(nearest.size());
+        off -= normal[s].dot(off) * normal[s];
+        onRim += off.norm() > besideIt * std::sqrt(nearest.back().square);
+    }
+    return onRim;
+}
+
 } // namespace
 
 double SideOfNearest(const std::vector<double> &distance, const std::vector<double> &cosine) {
@@ -210,8 +231,10 @@ double FitMatches::Alike() {
 
 void FitMatches::Find(const GraphPose &pose, double part, unsigned threads, std::vector<FitSystem::Pull> &pull) {
     Search(pose, threads);
-    if (first < 0)
+    if (first < 0) {
         side = Side();
+        onRim = target.IsCloud() && !target.reachesFarther ? CountOnRim(at, turned) : 0;
+    }
     std::vector<double> good;
     for (std::size_t s = 0; s < Size(); ++s) {
         angular[s] = Angular(match[s], s, normal[s]);
@@ -222,8 +245,12 @@ void FitMatches::Find(const GraphPose &pose, double part, unsigned threads, std:
     }
     // At a border of the target, samples that are farther than most are elsewhere lie beyond it.
     const double median = Quantile(good, 0.5), atBorder = std::max(1.5 * median, least);
+    const auto isBeyond = [&](std::size_t s) { return match[s].onBorder && distance[s] > atBorder; };
+    std::size_t beyond = 0;
     for (std::size_t s = 0; s < Size(); ++s)
-        if (match[s].onBorder && distance[s] > atBorder)
+        beyond += weight[s] > 0 && isBeyond(s);
+    for (std::size_t s = 0; s < Size() && beyond > onRim; ++s)
+        if (isBeyond(s))
             counts[s] = 0;
     if (first < 0)
         first = std::max(2 * median, 2e-6);

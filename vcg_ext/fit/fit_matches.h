@@ -26,7 +26,8 @@ struct MatchParam {
 /// The weight of a match falls with its distance, as graduated robust weights do (Black and Rangarajan 1996, Zhou
 /// 2016), and with the angle between the normals. A match does not count in two cases: another part of the surface is
 /// nearer to its point (picky matches, Godin 1994 and Zinsser 2003), or it ends at a border of the target and is longer
-/// than most. So surface without a counterpart is not drawn to what lies beside it.
+/// than most. (The end of a cloud is a border if more of the surface lies beyond it than along the surface's own rim.)
+/// So surface without a counterpart is not drawn to what lies beside it.
 ///
 /// Both ways: a point of the target is not reached if no sample is within two spacings. It then draws the nearest
 /// sample if that faces the same side, so that thin and long parts are reached (matches in both directions, as by
@@ -85,6 +86,9 @@ class FitMatches {
     const MatchParam param;
     double first = -1; // the width of the weights in the first step; -1: no step yet
     double side = 1;   // -1: the target's normals are flipped
+    // Where a cloud ends is known to about a spacing. If no more samples than lie at the surface's own rim lie beyond
+    // its ends, both end in the same place, and the ends draw the rim.
+    std::size_t onRim = 0;
     std::vector<Eigen::Vector3d> at, turned, normal;
     std::vector<double> distance, back, angular;
     std::vector<double> weight; // of each sample; 0: it is not matched

@@ -12,10 +12,6 @@
 
 namespace vcg::fcd {
 
-// Cosine of the angle to the normal: 27 degrees. Beyond an end of a cloud, it is more than 45 degrees to a better
-// normal.
-constexpr double surelyAbove = 0.89;
-
 Eigen::Matrix3d Moments::Covariance() const { return second / sum - Middle() * Middle().transpose(); }
 
 Eigen::Matrix3d Moments::Axes() const {
@@ -312,12 +308,11 @@ FitTarget::Match FitTarget::Nearest(const Eigen::Vector3d &p, NearestPlace::Hint
     }
     const double length = match.normal.norm();
     match.normal = length > 0 ? Eigen::Vector3d(match.normal / length) : Eigen::Vector3d::Zero();
-    if (isCloud && reachesFarther) {
-        for (int k = 0; k < at.count; ++k)
-            match.reach = std::max(match.reach, (position.col(at.slot[k]) - match.point).norm());
-        // If it lies above the plane of the nearest points, it surely does not lie beside them, and no more are sought.
-        const double above = std::abs(match.normal.dot(p - match.point)), far = (p - match.point).norm();
-        match.onBorder = above < surelyAbove * far && place->EndsBefore(p, at, hint);
+    if (isCloud) {
+        if (reachesFarther)
+            for (int k = 0; k < at.count; ++k)
+                match.reach = std::max(match.reach, (position.col(at.slot[k]) - match.point).norm());
+        match.onBorder = place->EndsBefore(p, at, hint);
     }
     return match;
 }

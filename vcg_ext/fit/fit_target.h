@@ -83,6 +83,7 @@ class FitTarget {
         NearestPlace::Hint none;
         return Nearest(p, none);
     }
+    bool IsCloud() const { return isCloud; }
     const Moments &Spread() const { return moments; } ///< of the triangles' area, or of the points
     /// Its box, frame units.
     const Eigen::AlignedBox3d &Box() const { return box; }

@@ -15,9 +15,9 @@ namespace vcg::fcd {
 
 namespace {
 
-// If more vertices than these are at one position, as where a scanner writes zeros for missed points, only that
-// position is found.
-constexpr std::size_t mostAsked = std::size_t(16) * (SurfacePlace::most + 1);
+// If more vertices than so many times those that are sought are at one position, as where a scanner writes zeros for
+// missed points, only that position is found.
+constexpr std::size_t mostAsked = 16;
 
 // How many vertices tell whether a cloud ends: so many reach around a vertex by about three spacings (four where the
 // cloud ends). If noise hides the plane there, four times as many tell it.
@@ -25,13 +25,13 @@ constexpr std::size_t around[] = {24, 96};
 // They lie along a plane if they extend less across it than in it (variances: largest ratio), and if they extend in it
 // to both sides (smallest ratio). At a straight end, half a disc has 0.28 of the latter. Vertices on both sides of an
 // edge of 90 degrees have 0.28 of the former; so have noise of half a spacing, and the blade of a knife, in the first
-// number.
-constexpr double flat = 0.2, wide = 0.1;
-// A point lies beyond the end if it is `beyond` spacings beside the place, and seen from there less than 50 degrees (of
-// this tangent) above the plane. Between vertices, the place is nearer: it is their mean. With 45 degrees and two
-// spacings, fits onto halves of clouds were drawn over the end, and with one spacing a little; with 55 degrees, noise
-// of half a spacing makes up to a hundredth of a closed cloud an end.
-constexpr double beyond = 0.75, steepest = 1.19;
+// number. With 0.2, a fifth of the places beyond a cut through a folded sheet are found, with 0.3 two fifths; with 0.4,
+// noise makes ends of closed clouds.
+constexpr double flat = 0.3, wide = 0.1;
+// A point lies beyond the end if it is `beyond` spacings beside the place (between vertices, the place is nearer: it is
+// their mean), and if none of them lies beside the place on that side, farther than `empty` of their reach: at a
+// straight end they lie up to a quarter of it there, elsewhere all of it.
+constexpr double beyond = 0.75, empty = 0.5;
 
 // No number that is searched is beyond this, so that squares are numbers.
 constexpr double farAway = 1e100;
@@ -47,6 +47,28 @@ double FarthestOf(const Eigen::Matrix3Xd &position, const std::vector<std::array
         if (isVertex[i])
             take(Index(i));
     return farthest;
+}
+
+/// The points nearest to p, one of those at a position.
+/// \param at the position of a point \param found out: \p count of them; fewer if there are no more
+template <class At>
+void FindApart(const PointTree<double> &points, const At &at, const Eigen::Vector3d &p, std::size_t count,
+               std::size_t block, std::vector<PointTree<double>::Neighbour> &found) {
+    for (std::size_t asked = count; asked <= mostAsked * count; asked *= 4) {
+        points.Nearest(p, asked, found, block);
+        const std::size_t all = found.size();
+        std::size_t apart = 0;
+        for (std::size_t i = 0; i < all && apart < count; ++i) {
+            bool isRepeated = false;
+            for (std::size_t k = apart; k > 0 && found[k - 1].square == found[i].square && !isRepeated; --k)
+                isRepeated = at(found[k - 1]) == at(found[i]);
+            if (!isRepeated)
+                found[apart++] = found[i];
+        }
+        found.resize(apart);
+        if (apart == count || all < asked)
+            return;
+    }
 }
 
 } // namespace
@@ -109,19 +131,22 @@ bool NearestPlace::EndsBefore(const Eigen::Vector3d &p, const SurfacePlace &at, 
     Eigen::Vector3d offset = InUnit(p);
     for (int k = 0; k < at.count; ++k)
         offset -= at.weight[k] * position.col(at.slot[k]);
+    const auto positionOf = [&](const auto &each) { return position.col(vertex[std::size_t(each.point)]); };
     thread_local std::vector<PointTree<double>::Neighbour> nearest;
     for (const std::size_t count : around) {
-        vertices->Nearest(near, count, nearest, hint.block);
+        FindApart(*vertices, positionOf, near, count, hint.block, nearest);
         const double spacing = std::sqrt(nearest.back().square * detail::pi / double(nearest.size()));
         if (nearest.size() < count || !(offset.norm() > beyond * spacing))
             return false;
-        const auto placeOf = [&](std::size_t k) { return position.col(vertex[std::size_t(nearest[k].point)]); };
+        const auto placeOf = [&](std::size_t k) { return positionOf(nearest[k]); };
         const detail::SymmetricEigen eigen(detail::ScatterOf(count, placeOf));
         if (eigen.values[0] > flat * eigen.values[1] || !(eigen.values[1] > wide * eigen.values[2]))
             continue;
-        const double above = std::abs(eigen.Vectors().col(0).dot(offset)),
-                     beside = std::sqrt(std::max(0., offset.squaredNorm() - above * above));
-        return above < steepest * beside && beside > beyond * spacing;
+        const Eigen::Vector3d across = eigen.Vectors().col(0), beside = offset - across.dot(offset) * across;
+        const double far = beside.norm(), most = empty * std::sqrt(nearest.back().square);
+        return far > beyond * spacing && std::all_of(nearest.begin(), nearest.end(), [&](const auto &each) {
+                   return beside.dot(positionOf(each) - near) <= most * far;
+               });
     }
     return false;
 }
@@ -136,23 +161,13 @@ double NearestPlace::SideOf(const Eigen::Vector3d &p, const Eigen::Vector3d &nor
 /// 1980).
 void NearestPlace::Among(const Eigen::Vector3d &p, Hint &hint, SurfacePlace &place) const {
     std::array<std::pair<double, Index>, SurfacePlace::most + 1> found; // distances
-    std::size_t count = 0;
-    for (std::size_t asked = found.size(); count < found.size() && asked <= mostAsked; asked *= 4) {
-        thread_local std::vector<PointTree<double>::Neighbour> nearest;
-        vertices->Nearest(p, asked, nearest, hint.block);
-        hint.block = vertices->BlockOf(std::size_t(nearest.front().at));
-        count = 0;
-        for (std::size_t i = 0; i < nearest.size() && count < found.size(); ++i) {
-            const std::pair<double, Index> next(std::sqrt(nearest[i].square), vertex[std::size_t(nearest[i].point)]);
-            bool isRepeated = false;
-            for (std::size_t k = count; k > 0 && found[k - 1].first == next.first && !isRepeated; --k)
-                isRepeated = position.col(found[k - 1].second) == position.col(next.second);
-            if (!isRepeated)
-                found[count++] = next;
-        }
-        if (nearest.size() < asked)
-            break; // these are all
-    }
+    thread_local std::vector<PointTree<double>::Neighbour> nearest;
+    const auto at = [&](const auto &each) { return position.col(vertex[std::size_t(each.point)]); };
+    FindApart(*vertices, at, p, found.size(), hint.block, nearest);
+    hint.block = vertices->BlockOf(std::size_t(nearest.front().at));
+    const std::size_t count = nearest.size();
+    for (std::size_t i = 0; i < count; ++i)
+        found[i] = {std::sqrt(nearest[i].square), vertex[std::size_t(nearest[i].point)]};
     std::sort(found.begin(), found.begin() + std::ptrdiff_t(count));
     const double farthest = found[0].first > 0 ? found[count - 1].first : 0; // 0: at a vertex, the only one
     double sum = 0;

@@ -107,7 +107,7 @@ class Matching {
                 const Eigen::Vector3d foot = match.Foot(p);
                 far[s] = (p - foot).norm() * (isOther ? wrongSide : 1);
                 // Far from the right plane, too much of a cloud with limbs would seem to have no counterpart.
-                share[s] = match.onBorder && match.reach == 0 ? 0 : 1;
+                share[s] = match.onBorder && !surface.IsCloud() ? 0 : 1;
                 pairs[s] = {points[s], foot};
             }
         });
