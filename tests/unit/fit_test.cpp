@@ -1384,6 +1384,30 @@ TEST(Fit, TargetTellsWhereACloudEnds) {
     }
 }
 
+// The two sides of a fold, two spacings apart.
+TEST(Fit, TargetTellsWhereAFoldedCloudEnds) {
+    const int n = 40;
+    Shape fold = Grid(n, n);
+    for (int i = 0; i < n * n; ++i)
+        fold.position.push_back(fold.position[std::size_t(i)] + Vector3d(0.5, 0.5, 2));
+    fold = Jittered(fold, 0.1);
+    fold.face.clear();
+    const MeshD points(fold);
+    const Arrays arrays = Read(points);
+    const FitTarget cloud(arrays.View(), {}, Eigen::Affine3d::Identity());
+    int asked = 0, found = 0;
+    for (const double side : {0., 2.})
+        for (double y = 5; y < 35; ++y) {
+            for (const double beyond : {2., 4., 8.}) {
+                ++asked;
+                found += cloud.Nearest(Vector3d(n + beyond, y, side)).onBorder;
+            }
+            for (const double above : {-3., -1.5, 0.9})
+                EXPECT_FALSE(cloud.Nearest(Vector3d(20.3, y, above)).onBorder) << y << " " << above;
+        }
+    EXPECT_GT(found, 0.75 * asked);
+}
+
 // What is as thin as the points are apart has no plane in which it could end: a rod's tip draws what lies beyond it.
 TEST(Fit, ACloudDoesNotEndAtTheTipOfARod) {
     Shape rod;

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace vcg::fcd {
@@ -20,8 +21,10 @@ namespace {
 constexpr std::size_t mostAsked = 16;
 
 // How many vertices tell whether a cloud ends: so many reach around a vertex by about three spacings (four where the
-// cloud ends). If noise hides the plane there, four times as many tell it.
-constexpr std::size_t around[] = {24, 96};
+// cloud ends). If noise hides the plane there, four times as many tell it. If other sheets of a fold do, those vertices
+// tell it that lie, to within this share of the reach, along the plane of the nearest third.
+constexpr std::size_t few = 24, around[] = {few, 4 * few, few};
+constexpr double ofSheet = 0.25;
 // They lie along a plane if they extend less across it than in it (variances: largest ratio), and if they extend in it
 // to both sides (smallest ratio). At a straight end, half a disc has 0.28 of the latter. Vertices on both sides of an
 // edge of 90 degrees have 0.28 of the former; so have noise of half a spacing, and the blade of a knife, in the first
@@ -133,19 +136,31 @@ bool NearestPlace::EndsBefore(const Eigen::Vector3d &p, const SurfacePlace &at, 
         offset -= at.weight[k] * position.col(at.slot[k]);
     const auto positionOf = [&](const auto &each) { return position.col(vertex[std::size_t(each.point)]); };
     thread_local std::vector<PointTree<double>::Neighbour> nearest;
-    for (const std::size_t count : around) {
+    for (std::size_t i = 0; i < std::size(around); ++i) {
+        const std::size_t count = around[i];
         FindApart(*vertices, positionOf, near, count, hint.block, nearest);
-        const double spacing = std::sqrt(nearest.back().square * detail::pi / double(nearest.size()));
+        const double reach = std::sqrt(nearest.back().square), spacing = reach * std::sqrt(detail::pi / double(count));
         if (nearest.size() < count || !(offset.norm() > beyond * spacing))
             return false;
-        const auto placeOf = [&](std::size_t k) { return positionOf(nearest[k]); };
-        const detail::SymmetricEigen eigen(detail::ScatterOf(count, placeOf));
+        const auto alongPlane = [&](std::size_t first) {
+            return detail::SymmetricEigen(
+                detail::ScatterOf(first, [&](std::size_t k) { return positionOf(nearest[k]); }));
+        };
+        const bool isLast = i + 1 == std::size(around);
+        detail::SymmetricEigen eigen = alongPlane(isLast ? count / 3 : count);
+        if (isLast) {
+            const Eigen::Vector3d across = eigen.Vectors().col(0);
+            const auto others = std::stable_partition(nearest.begin(), nearest.end(), [&](const auto &each) {
+                return std::abs(across.dot(positionOf(each) - near)) <= ofSheet * reach;
+            });
+            eigen = alongPlane(std::size_t(others - nearest.begin()));
+        }
         if (eigen.values[0] > flat * eigen.values[1] || !(eigen.values[1] > wide * eigen.values[2]))
             continue;
         const Eigen::Vector3d across = eigen.Vectors().col(0), beside = offset - across.dot(offset) * across;
-        const double far = beside.norm(), most = empty * std::sqrt(nearest.back().square);
+        const double far = beside.norm();
         return far > beyond * spacing && std::all_of(nearest.begin(), nearest.end(), [&](const auto &each) {
-                   return beside.dot(positionOf(each) - near) <= most * far;
+                   return beside.dot(positionOf(each) - near) <= empty * reach * far;
                });
     }
     return false;
