@@ -27,10 +27,7 @@
 /// Calls body(i) for each i below n, by all threads.
 template <class Body>
 void forEach(std::size_t n, const Body &body) {
-    vcg::fcd::ParallelFor(0, n, 1 << 14, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i)
-            body(i);
-    });
+    vcg::fcd::ParallelForEach(0, n, 1 << 14, body);
 }
 
 /// The same for each live vertex.

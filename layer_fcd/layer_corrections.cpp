@@ -15,7 +15,6 @@
 using vcg::fcd::Deformer;
 using vcg::fcd::Error;
 using vcg::fcd::Fitter;
-using vcg::fcd::ParallelFor;
 using vcg::fcd::Progress;
 using vcg::fcd::SurfaceView;
 using vcg::fcd::SymmetryGoal;
@@ -229,18 +228,15 @@ CompensatedLayers compensateLayer(MeshDocument &document, MeshModel &layer, cons
     std::vector<Eigen::Matrix3f> linear(nominal.hasDirections ? view.vertexSlots : 0);
     std::vector<float> quality(param.quality == CompensateLayerParam::Change ? view.vertexSlots : 0);
     const Eigen::Affine3d back = world.inverse();
-    ParallelFor(0, view.vertexSlots, 1 << 10, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) {
-            const Eigen::Vector3d from = at.col(Eigen::Index(i)), to = compensation.position.col(Eigen::Index(i));
-            if (!linear.empty()) // vertices outside of the part stay
-                linear[i] = to == from
-                                ? Eigen::Matrix3f::Identity().eval()
-                                : (back.linear() * compensation.LinearAt(to) * world.linear()).cast<float>().eval();
-            if (to != from)
-                position.col(Eigen::Index(i)) = back * to;
-            if (!quality.empty())
-                quality[i] = float((to - from).norm());
-        }
+    forEach(view.vertexSlots, [&](std::size_t i) {
+        const Eigen::Vector3d from = at.col(Eigen::Index(i)), to = compensation.position.col(Eigen::Index(i));
+        if (!linear.empty()) // vertices outside of the part stay
+            linear[i] = to == from ? Eigen::Matrix3f::Identity().eval()
+                                   : (back.linear() * compensation.LinearAt(to) * world.linear()).cast<float>().eval();
+        if (to != from)
+            position.col(Eigen::Index(i)) = back * to;
+        if (!quality.empty())
+            quality[i] = float((to - from).norm());
     });
 
     progress(0.95, "Adding layers...");

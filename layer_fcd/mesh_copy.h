@@ -30,10 +30,9 @@ class Packing {
     /// Calls body(i, j) for each live element i, whose place is j; from several threads.
     template <class Body>
     void forEach(const Body &body) const {
-        vcg::fcd::ParallelFor(0, n, 1 << 14, [&](std::size_t first, std::size_t last) {
-            for (std::size_t i = first; i < last; ++i)
-                if (place.empty() || place[i] != gone)
-                    body(i, (*this)(i));
+        vcg::fcd::ParallelForEach(0, n, 1 << 14, [&](std::size_t i) {
+            if (place.empty() || place[i] != gone)
+                body(i, (*this)(i));
         });
     }
 

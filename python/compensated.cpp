@@ -64,11 +64,9 @@ nb::object Compensating::apply(const Rows &points, bool predicted, const nb::obj
     double *to;
     nb::object made = newArray({points.shape(0), 3}, to);
     Listener::Run(report, threads, [&](const vcg::fcd::Progress &progress) {
-        ParallelFor(progress, "Compensating", points.shape(0), 1 << 10, [&](std::size_t first, std::size_t last) {
-            for (std::size_t i = first; i < last; ++i) {
-                const Eigen::Vector3d p = rowOf(points.data(), i);
-                rowOf(to, i) = predicted ? compensation->Predicted(p) : (*compensation)(p);
-            }
+        ParallelForEach(progress, "Compensating", points.shape(0), 1 << 10, [&](std::size_t i) {
+            const Eigen::Vector3d p = rowOf(points.data(), i);
+            rowOf(to, i) = predicted ? compensation->Predicted(p) : (*compensation)(p);
         });
     });
     return made;

@@ -120,14 +120,11 @@ void Posed::write(const Written &vertices, const std::optional<Rows> &normals, c
     const std::vector<std::uint32_t> &still = prepared->still;
     Listener::Run(report, prepared->threads, [&](const Progress &progress) {
         const Stopwatch watch;
-        ParallelFor(progress.Slice(0, 0.1), "Mapping to the mesh", still.size(), 1 << 16,
-                    [&](std::size_t first, std::size_t last) {
-                        for (std::size_t s = first; s < last; ++s) {
-                            rowOf(to, still[s]) = rowOf(rest, still[s]);
-                            if (after)
-                                rowOf(after, still[s]) = rowOf(before, still[s]);
-                        }
-                    });
+        ParallelForEach(progress.Slice(0, 0.1), "Mapping to the mesh", still.size(), 1 << 16, [&](std::size_t s) {
+            rowOf(to, still[s]) = rowOf(rest, still[s]);
+            if (after)
+                rowOf(after, still[s]) = rowOf(before, still[s]);
+        });
         const auto at = [&](std::size_t i) { return Eigen::Vector3d(rowOf(rest, i)); };
         const auto ahead = [](std::size_t) {};
         if (after)

@@ -306,9 +306,8 @@ nb::object nearestVertices(const Rows &vertices, const Rows &points, unsigned th
             throw vcg::fcd::BadInput("vertices holds no finite coordinates, so no vertex is nearest to a point");
         const double unit = vcg::fcd::detail::TakeUnit(position);
         const vcg::fcd::PointTree<double> tree(position);
-        ParallelFor(progress, "Looking for landmarks", points.shape(0), 64, [&](std::size_t first, std::size_t last) {
-            for (std::size_t k = first; k < last; ++k)
-                number[k] = slot[std::size_t(tree.Nearest(rowOf(points.data(), k) / unit))];
+        ParallelForEach(progress, "Looking for landmarks", points.shape(0), 64, [&](std::size_t k) {
+            number[k] = slot[std::size_t(tree.Nearest(rowOf(points.data(), k) / unit))];
         });
     });
     return numbers;

@@ -28,13 +28,11 @@ void forRangesInSpace(const double *points, std::size_t n, const Eigen::AlignedB
         const std::size_t count = std::min(block, n - begin);
         const double from = double(begin) / double(n), to = double(begin + count) / double(n);
         std::unique_ptr<std::uint64_t[]> items = vcg::fcd::LargeArray<std::uint64_t>(count);
-        vcg::fcd::ParallelFor(progress.threads, count, grain, [&](std::size_t first, std::size_t last) {
-            for (std::size_t i = first; i < last; ++i) {
-                const Eigen::Vector3d p = (rowOf(points, begin + i) - center) / size;
-                const bool isPlace = p.allFinite();
-                const auto axis = [&](int d) { return isPlace ? float(std::min(1.0, std::max(-1.0, p[d]))) : 0.f; };
-                items[i] = std::uint64_t(vcg::fcd::detail::MortonCode(axis(0), axis(1), axis(2))) << 32 | i;
-            }
+        vcg::fcd::ParallelForEach(progress.threads, count, grain, [&](std::size_t i) {
+            const Eigen::Vector3d p = (rowOf(points, begin + i) - center) / size;
+            const bool isPlace = p.allFinite();
+            const auto axis = [&](int d) { return isPlace ? float(std::min(1.0, std::max(-1.0, p[d]))) : 0.f; };
+            items[i] = std::uint64_t(vcg::fcd::detail::MortonCode(axis(0), axis(1), axis(2))) << 32 | i;
         });
         vcg::fcd::Progress sorting; // takes a twentieth of the time
         sorting.threads = progress.threads;

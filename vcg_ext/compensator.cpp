@@ -66,13 +66,11 @@ class ScanSurface {
     /// Flips the scan's normals if most of those near the part point the other way.
     void FindSide(const WarpGoal &goal, unsigned threads) {
         std::vector<double> far(goal.place.size()), cosine(goal.place.size(), 0);
-        ParallelFor(threads, goal.place.size(), 64, [&](std::size_t first, std::size_t last) {
-            for (std::size_t s = first; s < last; ++s) {
-                const WarpMatch match = Match(goal.place[s]);
-                far[s] = (match.point - goal.place[s]).norm();
-                if (match.isOriented)
-                    cosine[s] = match.normal.dot(goal.normal[s]);
-            }
+        ParallelForEach(threads, goal.place.size(), 64, [&](std::size_t s) {
+            const WarpMatch match = Match(goal.place[s]);
+            far[s] = (match.point - goal.place[s]).norm();
+            if (match.isOriented)
+                cosine[s] = match.normal.dot(goal.normal[s]);
         });
         side = SideOfNearest(far, cosine);
     }
@@ -208,16 +206,14 @@ Compensation::Compensation(const SurfaceView &nominal, const SurfaceView &scan, 
 void Compensation::MakeVertices(const SurfaceView &nominal, const Eigen::AlignedBox3d &box, const Progress &progress) {
     position.resize(3, Eigen::Index(nominal.vertexSlots));
     std::vector<double> missed(nominal.vertexSlots, -1); // < 0: the vertex is not part of it
-    ParallelFor(progress, "Compensating", nominal.vertexSlots, 1 << 10, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) {
-            const Eigen::Vector3d p = nominal.At(i);
-            auto made = position.col(Eigen::Index(i));
-            made = p;
-            if (nominal.IsDeleted(i) || !box.contains(p)) // outside of the part, a polynomial has no meaning
-                continue;
-            made = (*this)(p);
-            missed[i] = ((Predicted(made) - p) / scale).norm();
-        }
+    ParallelForEach(progress, "Compensating", nominal.vertexSlots, 1 << 10, [&](std::size_t i) {
+        const Eigen::Vector3d p = nominal.At(i);
+        auto made = position.col(Eigen::Index(i));
+        made = p;
+        if (nominal.IsDeleted(i) || !box.contains(p)) // outside of the part, a polynomial has no meaning
+            return;
+        made = (*this)(p);
+        missed[i] = ((Predicted(made) - p) / scale).norm();
     });
     double vertices = 0;
     for (std::size_t i = 0; i < nominal.vertexSlots; ++i) {

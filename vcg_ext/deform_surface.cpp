@@ -89,27 +89,23 @@ void MeasureRegion(const MovingRegion &region, const RegionPose &pose, const Eig
     const Index n = surface.graph.Size();
     stretch.resize(std::size_t(n));
     rotation.resize(std::size_t(n));
-    ParallelFor(progress, "Measuring the deformation", n, 1 << 12, [&](std::size_t first, std::size_t last) {
-        for (std::size_t u = first; u < last; ++u) {
-            Eigen::Matrix3d s = Eigen::Matrix3d::Zero();
-            double before = 0, after = 0;
-            for (Index v : surface.graph.adjacency[Index(u)]) {
-                const Eigen::Vector3d e =
-                    (surface.graph.position.col(v) - surface.graph.position.col(u)).cast<double>();
-                const Eigen::Vector3d f = (posed.col(v) - posed.col(u)).template cast<double>();
-                s += e * f.transpose();
-                before += e.squaredNorm();
-                after += f.squaredNorm();
-            }
-            const Index at = region.patches.patchOf[u];
-            const Eigen::Matrix3d patch =
-                at < 0 ? Eigen::Matrix3d::Identity() : detail::RotationOf(pose.graph.linear[at]);
-            const double size = std::sqrt(before * after);
-            s += (size > 0 ? 1e-3 * size : 1) * patch.transpose(); // decides what the edges leave open
-            const Eigen::Vector4d q = detail::FitQuaternion(s);
-            stretch[u] = before > 0 ? float(std::sqrt(after / before)) : 1.f;
-            rotation[u] = DegreesOf(q);
+    ParallelForEach(progress, "Measuring the deformation", n, 1 << 12, [&](std::size_t u) {
+        Eigen::Matrix3d s = Eigen::Matrix3d::Zero();
+        double before = 0, after = 0;
+        for (Index v : surface.graph.adjacency[Index(u)]) {
+            const Eigen::Vector3d e = (surface.graph.position.col(v) - surface.graph.position.col(u)).cast<double>();
+            const Eigen::Vector3d f = (posed.col(v) - posed.col(u)).template cast<double>();
+            s += e * f.transpose();
+            before += e.squaredNorm();
+            after += f.squaredNorm();
         }
+        const Index at = region.patches.patchOf[u];
+        const Eigen::Matrix3d patch = at < 0 ? Eigen::Matrix3d::Identity() : detail::RotationOf(pose.graph.linear[at]);
+        const double size = std::sqrt(before * after);
+        s += (size > 0 ? 1e-3 * size : 1) * patch.transpose(); // decides what the edges leave open
+        const Eigen::Vector4d q = detail::FitQuaternion(s);
+        stretch[u] = before > 0 ? float(std::sqrt(after / before)) : 1.f;
+        rotation[u] = DegreesOf(q);
     });
 }
 
@@ -224,12 +220,10 @@ CentroidalGraph BuildCentroidalGraph(const SurfaceView &mesh, const NormalOf &no
         for (std::uint32_t slot : surface.slots)
             TakeNormal(normal, slot, surface.nodeOf[slot], patches, result.geometry);
     AssignLarge(result.patchOf, mesh.vertexSlots, Index(-1));
-    ParallelFor(progress.Slice(0.98, 1), "Building the graph", mesh.vertexSlots, 1 << 16,
-                [&](std::size_t first, std::size_t last) {
-                    for (std::size_t i = first; i < last; ++i)
-                        if (surface.nodeOf[i] >= 0)
-                            result.patchOf[i] = patches.patchOf[surface.nodeOf[i]];
-                });
+    ParallelForEach(progress.Slice(0.98, 1), "Building the graph", mesh.vertexSlots, 1 << 16, [&](std::size_t i) {
+        if (surface.nodeOf[i] >= 0)
+            result.patchOf[i] = patches.patchOf[surface.nodeOf[i]];
+    });
     const double scale = surface.frame.scale;
     result.iterations = patches.iterations;
     result.converged = patches.converged;

@@ -33,10 +33,8 @@ class DeformerMaker {
         whole.point = made->point;
         whole.isOne = param.IsOneRegion();
         AssignLarge(whole.tag, mesh.vertexSlots, 0);
-        ParallelFor(progress.threads, mesh.vertexSlots, 1 << 16, [&](std::size_t first, std::size_t last) {
-            for (std::size_t i = first; i < last; ++i)
-                whole.tag[i] = mesh.IsDeleted(i) ? noVertex : std::max(-1, tag[i]);
-        });
+        ParallelForEach(progress.threads, mesh.vertexSlots, 1 << 16,
+                        [&](std::size_t i) { whole.tag[i] = mesh.IsDeleted(i) ? noVertex : std::max(-1, tag[i]); });
         same = SameAs(whole);
         TagSame(whole.tag, mesh.isCloud ? 0 : noVertex); // in a cloud, kept points may be neighbours
         RegionReader reader(param, metric);

@@ -312,16 +312,14 @@ std::vector<float> PlacesOfVertices(const SurfaceView &mesh, const Deformer &pre
     const std::vector<double> place =
         detail::PlacesAlong(line, deformer.graph.graph.adjacency, detail::NodesOf(deformer, toWorld));
     std::vector<float> places(mesh.vertexSlots, 0);
-    ParallelFor(progress, "Following the line", places.size(), 1 << 12, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) {
-            if (mesh.IsDeleted(i))
-                continue;
-            const Eigen::Vector3d p = world * Eigen::Vector3d(mesh.At(i));
-            const Index node = prepared.nodeOf[i];
-            const bool isLoose = node < 0 || deformer.patches.patchOf[node] < 0;
-            places[i] = float(isLoose ? line.Nearest(p, 0, line.Length())
-                                      : detail::PlaceNear(line, deformer, toWorld, place, node, p));
-        }
+    ParallelForEach(progress, "Following the line", places.size(), 1 << 12, [&](std::size_t i) {
+        if (mesh.IsDeleted(i))
+            return;
+        const Eigen::Vector3d p = world * Eigen::Vector3d(mesh.At(i));
+        const Index node = prepared.nodeOf[i];
+        const bool isLoose = node < 0 || deformer.patches.patchOf[node] < 0;
+        places[i] = float(isLoose ? line.Nearest(p, 0, line.Length())
+                                  : detail::PlaceNear(line, deformer, toWorld, place, node, p));
     });
     return places;
 }

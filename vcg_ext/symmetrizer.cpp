@@ -184,11 +184,9 @@ static SymmetricPose Follow(const Fitter &fitter, const SurfaceView &source, con
     // A fit does the rest. Its target is the mirror image of the warped surface: that lies near the surface at rest,
     // where the fit begins.
     Eigen::Matrix3Xd position(3, Eigen::Index(source.vertexSlots));
-    ParallelFor(progress.threads, source.vertexSlots, 1 << 12, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) {
-            const Eigen::Vector3d p = source.At(i);
-            position.col(Eigen::Index(i)) = source.IsDeleted(i) ? p : frame.FromFrame(plane(warp.At(frame.ToFrame(p))));
-        }
+    ParallelForEach(progress.threads, source.vertexSlots, 1 << 12, [&](std::size_t i) {
+        const Eigen::Vector3d p = source.At(i);
+        position.col(Eigen::Index(i)) = source.IsDeleted(i) ? p : frame.FromFrame(plane(warp.At(frame.ToFrame(p))));
     });
     std::vector<std::uint32_t> corner(source.corner, source.corner + 3 * source.faces);
     for (std::size_t f = 0; f < source.faces; ++f) // mirrored faces look inwards: flip them

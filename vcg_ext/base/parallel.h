@@ -19,6 +19,15 @@ void ParallelFor(unsigned threads, std::size_t n, std::size_t grain,
                  const std::function<void(std::size_t, std::size_t)> &body,
                  const std::function<void()> &whileWaiting = {});
 
+/// Calls body(i) for each i in [0, n), as ParallelFor.
+template <class Body>
+void ParallelForEach(unsigned threads, std::size_t n, std::size_t grain, const Body &body) {
+    ParallelFor(threads, n, grain, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+            body(i);
+    });
+}
+
 /// While one lives, the loops of the thread that made it share helper threads, and so do loops within their bodies.
 /// The first loop that can use helpers starts them; they end with this object. A loop then waits only for helpers that
 /// have taken a range. Without this object, each loop starts its own helpers and waits for their end: some time slices

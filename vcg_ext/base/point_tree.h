@@ -57,11 +57,9 @@ class PointTree {
         while (((n + (std::size_t(1) << levels) - 1) >> levels) > most)
             ++levels;
         const std::unique_ptr<Item[]> item = LargeArray<Item>(n);
-        ParallelFor(threads, n, 1 << 16, [&](std::size_t first, std::size_t last) {
-            for (std::size_t i = first; i < last; ++i) {
-                const auto p = position.col(Eigen::Index(i));
-                item[i] = {{Ordered(p[0]), Ordered(p[1]), Ordered(p[2])}, Index(i)};
-            }
+        ParallelForEach(threads, n, 1 << 16, [&](std::size_t i) {
+            const auto p = position.col(Eigen::Index(i));
+            item[i] = {{Ordered(p[0]), Ordered(p[1]), Ordered(p[2])}, Index(i)};
         });
         box.resize((std::size_t(2) << levels) - 1);
         least.resize(box.size());

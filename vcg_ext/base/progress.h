@@ -86,6 +86,15 @@ inline void ParallelFor(const Progress &progress, const char *stage, std::size_t
     });
 }
 
+/// The same for each i in [0, n), one after the other in its range.
+template <class Body>
+void ParallelForEach(const Progress &progress, const char *stage, std::size_t n, std::size_t grain, const Body &body) {
+    ParallelFor(progress, stage, n, grain, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+            body(i);
+    });
+}
+
 /// Calls body(i, progress) for each of \p tasks long tasks, in parallel, with a slice of the progress each. All of them
 /// can be cancelled by it, also while this thread only waits. \throw Cancelled
 inline void ParallelTasks(const Progress &progress, const char *stage, std::size_t tasks,

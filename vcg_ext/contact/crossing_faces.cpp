@@ -27,10 +27,8 @@ Looked FacesToLookAt(const TwoShapes &shape, const Progress &progress) {
     const SurfaceView &mesh = shape.mesh;
     enum State : char { Stays, Moves, Unusable };
     std::vector<char> state(mesh.vertexSlots);
-    ParallelFor(progress.Slice(0, 0.3), stage, mesh.vertexSlots, 1 << 16, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) {
-            state[i] = char(!shape.IsUsable(i) ? Unusable : shape.Stays(i) ? Stays : Moves);
-        }
+    ParallelForEach(progress.Slice(0, 0.3), stage, mesh.vertexSlots, 1 << 16, [&](std::size_t i) {
+        state[i] = char(!shape.IsUsable(i) ? Unusable : shape.Stays(i) ? Stays : Moves);
     });
     const std::size_t grain = 1 << 16, parts = (mesh.faces + grain - 1) / grain;
     std::vector<Looked> part(parts);
@@ -75,19 +73,14 @@ class Leaves {
         : moving(looked.face.size()), count(moving + looked.still.size()), origin(looked.box.center()),
           item(LargeArray<std::uint64_t>(count)), leaf(LargeArray<Leaf>(Size())) {
         const double size = std::max(looked.box.sizes().maxCoeff(), 1e-300);
-        ParallelFor(progress.Slice(0, 0.3), stage, count, 1 << 14, [&](std::size_t first, std::size_t last) {
-            for (std::size_t i = first; i < last; ++i) {
-                const std::uint32_t f = i < moving ? looked.face[i] : looked.still[i - moving];
-                const Eigen::Vector3f p = ((shape.BoxNow(f).center() - origin) / size).cast<float>();
-                item[i] = std::uint64_t(MortonCode(p[0], p[1], p[2])) << 32 | std::uint32_t(i);
-            }
+        ParallelForEach(progress.Slice(0, 0.3), stage, count, 1 << 14, [&](std::size_t i) {
+            const std::uint32_t f = i < moving ? looked.face[i] : looked.still[i - moving];
+            const Eigen::Vector3f p = ((shape.BoxNow(f).center() - origin) / size).cast<float>();
+            item[i] = std::uint64_t(MortonCode(p[0], p[1], p[2])) << 32 | std::uint32_t(i);
         });
         RadixSortUpper30(item, count, progress.Slice(0.3, 0.6), stage);
         box.resize(Size());
-        ParallelFor(progress.Slice(0.6, 1), stage, Size(), 1 << 11, [&](std::size_t first, std::size_t last) {
-            for (std::size_t i = first; i < last; ++i)
-                Fill(shape, looked, i);
-        });
+        ParallelForEach(progress.Slice(0.6, 1), stage, Size(), 1 << 11, [&](std::size_t i) { Fill(shape, looked, i); });
     }
 
     struct Leaf {

@@ -182,37 +182,35 @@ void MeasurePieces(const TwoShapes &shape, const std::vector<detail::Crossing> &
                   [&](std::size_t i, const Progress &own) { cut[i].Sort(own); });
     const auto boxOf = [&](std::size_t i) -> const Eigen::AlignedBox3d & { return cut[i].box; };
     const detail::BoxTree<decltype(boxOf)> boxes(cut.size(), boxOf);
-    ParallelFor(progress.Slice(0.6, 1), stage, contact.depth.size(), 1 << 8, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) {
-            if (!pieces.IsCutOff(i))
-                continue;
-            const Index own = pieces.Of(i);
-            const Eigen::Vector3d p = shape.Now(i);
-            double square = crossing.tree
-                                ->Among(p,
-                                        [&](Index t) {
-                                            const auto &three = crossing.piece[t];
-                                            return three[0] != own && three[1] != own && three[2] != own;
-                                        })
-                                .square;
-            const Eigen::Vector3d reach = Eigen::Vector3d::Constant(std::sqrt(square));
-            boxes.ForMeeting({p - reach, p + reach}, [&](std::size_t c) {
-                if (cut[c].own != own && cut[c].box.squaredExteriorDistance(p) < square)
-                    square = std::min(square, (*cut[c].tree)(p, -1).square);
-            });
-            const auto takeOpposite = [&](const Triangles &among) {
-                const auto facing = among.tree->Facing(p, -normal[i], std::sqrt(square));
-                if (facing.triangle >= 0)
-                    square = std::min(square, facing.square);
-            };
-            if (throughThemselves.count(own) != 0) {
-                takeOpposite(crossing);
-                if (const auto number = numberOf.find(own); number != numberOf.end())
-                    takeOpposite(cut[number->second]);
-            }
-            if (square < std::numeric_limits<double>::max()) // else all crossing faces are at its own border
-                contact.depth[i] = std::sqrt(square);
+    ParallelForEach(progress.Slice(0.6, 1), stage, contact.depth.size(), 1 << 8, [&](std::size_t i) {
+        if (!pieces.IsCutOff(i))
+            return;
+        const Index own = pieces.Of(i);
+        const Eigen::Vector3d p = shape.Now(i);
+        double square = crossing.tree
+                            ->Among(p,
+                                    [&](Index t) {
+                                        const auto &three = crossing.piece[t];
+                                        return three[0] != own && three[1] != own && three[2] != own;
+                                    })
+                            .square;
+        const Eigen::Vector3d reach = Eigen::Vector3d::Constant(std::sqrt(square));
+        boxes.ForMeeting({p - reach, p + reach}, [&](std::size_t c) {
+            if (cut[c].own != own && cut[c].box.squaredExteriorDistance(p) < square)
+                square = std::min(square, (*cut[c].tree)(p, -1).square);
+        });
+        const auto takeOpposite = [&](const Triangles &among) {
+            const auto facing = among.tree->Facing(p, -normal[i], std::sqrt(square));
+            if (facing.triangle >= 0)
+                square = std::min(square, facing.square);
+        };
+        if (throughThemselves.count(own) != 0) {
+            takeOpposite(crossing);
+            if (const auto number = numberOf.find(own); number != numberOf.end())
+                takeOpposite(cut[number->second]);
         }
+        if (square < std::numeric_limits<double>::max()) // else all crossing faces are at its own border
+            contact.depth[i] = std::sqrt(square);
     });
 }
 

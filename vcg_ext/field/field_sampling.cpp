@@ -69,15 +69,14 @@ void detail::FieldSampler::Compare(const DeformationField &field, SampledField &
         const Piece &piece = pieces[PieceOf(surface.nodeOf[i])];
         return !piece.isDone && (!piece.isNearby || isNear[i]);
     };
-    ParallelFor(progress, "Comparing", slotCount, 1 << 12, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i)
-            if (surface.nodeOf[i] >= 0 && isAsked(i)) {
-                NearestPlace::Hint hint = nearPatch[std::size_t(patches.patchOf[std::size_t(surface.nodeOf[i])])];
-                const Eigen::Vector3d p = rest.col(Eigen::Index(i)), displacement = field(p, nullptr, &hint);
-                error[i] = float((p + displacement - deformed.col(Eigen::Index(i))).norm());
-                if (Rests(i) && p + displacement != p)
-                    error[i] = std::max(error[i], std::numeric_limits<float>::min());
-            }
+    ParallelForEach(progress, "Comparing", slotCount, 1 << 12, [&](std::size_t i) {
+        if (surface.nodeOf[i] >= 0 && isAsked(i)) {
+            NearestPlace::Hint hint = nearPatch[std::size_t(patches.patchOf[std::size_t(surface.nodeOf[i])])];
+            const Eigen::Vector3d p = rest.col(Eigen::Index(i)), displacement = field(p, nullptr, &hint);
+            error[i] = float((p + displacement - deformed.col(Eigen::Index(i))).norm());
+            if (Rests(i) && p + displacement != p)
+                error[i] = std::max(error[i], std::numeric_limits<float>::min());
+        }
     });
     result.off = result.stirred = 0;
     result.largest = 0;

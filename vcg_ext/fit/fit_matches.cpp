@@ -99,26 +99,21 @@ std::vector<Eigen::Vector3d> FitMatches::WhereTheyAre() const {
 }
 
 void FitMatches::Search(const GraphPose &pose, unsigned threads) {
-    ParallelFor(threads, Size(), 64, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t s = begin; s < end; ++s) {
-            at[s] = samples.At(s, pose);
-            turned[s] = samples.NormalAt(s, pose);
-            match[s] = target.Nearest(at[s], hint[s]);
-            distance[s] = (at[s] - match[s].point).norm();
-        }
+    ParallelForEach(threads, Size(), 64, [&](std::size_t s) {
+        at[s] = samples.At(s, pose);
+        turned[s] = samples.NormalAt(s, pose);
+        match[s] = target.Nearest(at[s], hint[s]);
+        distance[s] = (at[s] - match[s].point).norm();
     });
     if (some.empty())
         return;
     const std::vector<Eigen::Vector3d> own = WhereTheyAre();
     const PointTree<double> tree(own);
-    ParallelFor(threads, Size(), 64, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t s = begin; s < end; ++s)
-            back[s] = (own[std::size_t(tree.Nearest(match[s].point))] - match[s].point).norm();
+    ParallelForEach(threads, Size(), 64, [&](std::size_t s) {
+        back[s] = (own[std::size_t(tree.Nearest(match[s].point))] - match[s].point).norm();
     });
-    ParallelFor(threads, reaches.size(), 64, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t r = begin; r < end; ++r)
-            reaches[r] = some[std::size_t(tree.Nearest(reach[r].point))];
-    });
+    ParallelForEach(threads, reaches.size(), 64,
+                    [&](std::size_t r) { reaches[r] = some[std::size_t(tree.Nearest(reach[r].point))]; });
 }
 
 double FitMatches::Side() const {

@@ -68,15 +68,13 @@ double Misfit(const std::vector<Eigen::Vector3d> &points, const std::vector<Eige
     std::vector<double> far[2];
     for (std::vector<double> &each : far)
         each.resize(points.size());
-    ParallelFor(threads, points.size(), 64, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t s = begin; s < end; ++s) {
-            const Eigen::Vector3d p = motion * points[s];
-            const FitTarget::Match match = target.Nearest(p);
-            const double cosine = normal.empty() ? 0 : match.normal.dot(motion.linear() * normal[s]);
-            for (int side = 0; side < 2; ++side)
-                far[side][s] = (p - match.point).norm() *
-                               (match.isOriented && (side == 0 ? cosine < 0 : cosine > 0) ? wrongSide : 1);
-        }
+    ParallelForEach(threads, points.size(), 64, [&](std::size_t s) {
+        const Eigen::Vector3d p = motion * points[s];
+        const FitTarget::Match match = target.Nearest(p);
+        const double cosine = normal.empty() ? 0 : match.normal.dot(motion.linear() * normal[s]);
+        for (int side = 0; side < 2; ++side)
+            far[side][s] =
+                (p - match.point).norm() * (match.isOriented && (side == 0 ? cosine < 0 : cosine > 0) ? wrongSide : 1);
     });
     return std::min(MeanOfSmallest(std::move(far[0]), mostPoints), MeanOfSmallest(std::move(far[1]), mostPoints));
 }

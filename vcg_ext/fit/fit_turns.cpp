@@ -163,10 +163,8 @@ std::vector<Alignment> FitTurns::Best(double scale, std::vector<Eigen::Affine3d>
                             Eigen::Translation3d(-source.middle));
     std::vector<Alignment> alignments(start.size());
     const auto nearer = [&](int rounds) {
-        ParallelFor(threads, alignments.size(), 4, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t k = begin; k < end; ++k)
-                alignments[k] = Nearer(alignments[k], scale, rounds);
-        });
+        ParallelForEach(threads, alignments.size(), 4,
+                        [&](std::size_t k) { alignments[k] = Nearer(alignments[k], scale, rounds); });
         std::stable_sort(alignments.begin(), alignments.end(),
                          [](const Alignment &a, const Alignment &b) { return a.misfit < b.misfit; });
     };

@@ -167,29 +167,27 @@ std::vector<Eigen::Affine3d> Carrier::PlaceMotions(unsigned threads) const {
         return result;
     Eigen::Matrix3Xd corner(3, 4); // the place, and a frame unit from it along each axis
     corner << Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity();
-    ParallelFor(threads, place.size(), 1 << 8, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) {
-            const MovingSurface::Place there = moving.At(place[i]);
-            if (!there.region) {
-                result[i] = Eigen::Affine3d(GivenAt(place[i]));
-                continue;
-            }
-            const SurfaceGraph &surface = there.region->surface;
-            const Eigen::Vector3d own = surface.graph.position.col(there.node).cast<double>();
-            Eigen::Vector3d rest[4], moved[4];
-            for (int k = 0; k < 4; ++k) {
-                rest[k] = surface.frame.FromFrame(Eigen::Vector3d(own + corner.col(k)));
-                moved[k] = (*mapped[there.number])(there.node, rest[k]);
-            }
-            Eigen::Matrix3d from, to;
-            const double unit = detail::UnitOf(surface.frame.scale);
-            for (int k = 0; k < 3; ++k) {
-                from.col(k) = (rest[k + 1] - rest[0]) / unit;
-                to.col(k) = (moved[k + 1] - moved[0]) / unit;
-            }
-            result[i].linear() = to * from.inverse();
-            result[i].translation() = moved[0] - result[i].linear() * rest[0];
+    ParallelForEach(threads, place.size(), 1 << 8, [&](std::size_t i) {
+        const MovingSurface::Place there = moving.At(place[i]);
+        if (!there.region) {
+            result[i] = Eigen::Affine3d(GivenAt(place[i]));
+            return;
         }
+        const SurfaceGraph &surface = there.region->surface;
+        const Eigen::Vector3d own = surface.graph.position.col(there.node).cast<double>();
+        Eigen::Vector3d rest[4], moved[4];
+        for (int k = 0; k < 4; ++k) {
+            rest[k] = surface.frame.FromFrame(Eigen::Vector3d(own + corner.col(k)));
+            moved[k] = (*mapped[there.number])(there.node, rest[k]);
+        }
+        Eigen::Matrix3d from, to;
+        const double unit = detail::UnitOf(surface.frame.scale);
+        for (int k = 0; k < 3; ++k) {
+            from.col(k) = (rest[k + 1] - rest[0]) / unit;
+            to.col(k) = (moved[k + 1] - moved[0]) / unit;
+        }
+        result[i].linear() = to * from.inverse();
+        result[i].translation() = moved[0] - result[i].linear() * rest[0];
     });
     return result;
 }

@@ -248,11 +248,9 @@ class ConstraintBlend {
             }
             begin.push_back(held.size());
         }
-        ParallelFor(progress, stage, held.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
-            for (std::size_t h = first; h < last; ++h) {
-                const double s = Falloff(double(held[h].share));
-                held[h].share = float(s / (1 - s));
-            }
+        ParallelForEach(progress, stage, held.size(), 1 << 14, [&](std::size_t h) {
+            const double s = Falloff(double(held[h].share));
+            held[h].share = float(s / (1 - s));
         });
     }
 

@@ -225,11 +225,9 @@ GraphMapping::Posed::Posed(const GraphMapping &mapping, const GraphPose &pose,
             const Eigen::Matrix3d back = (detail::RotationOf(linear).transpose() * linear).inverse();
             unstretched.emplace_back((back.allFinite() ? back : Eigen::Matrix3d::Identity()).cast<float>());
         }
-    ParallelFor(threads, std::size_t(mapping.graph.Size()), 64, [&](std::size_t first, std::size_t last) {
-        for (Index j = Index(first); j < Index(last); ++j) {
-            SetOwn(j, pose, frame);
-            SetTerms(j, pose);
-        }
+    ParallelForEach(threads, std::size_t(mapping.graph.Size()), 64, [&](Index j) {
+        SetOwn(j, pose, frame);
+        SetTerms(j, pose);
     });
 }
 

@@ -175,11 +175,9 @@ inline int SampleClusters(Lloyd &lloyd, const std::vector<Index> &seed, const Pa
     const std::vector<Index> &patchOfCluster = coarse.grower.patchOf;
     std::vector<Index> &patchOf = lloyd.grower.patchOf;
     patchOf.resize(graph.Size());
-    ParallelFor(progress.Slice(0.6, 0.65), samplingStage, patchOf.size(), 1 << 16,
-                [&](std::size_t first, std::size_t last) {
-                    for (std::size_t u = first; u < last; ++u)
-                        patchOf[u] = clusters.clusterOf[u] < 0 ? -1 : patchOfCluster[clusters.clusterOf[u]];
-                });
+    ParallelForEach(progress.Slice(0.6, 0.65), samplingStage, patchOf.size(), 1 << 16, [&](std::size_t u) {
+        patchOf[u] = clusters.clusterOf[u] < 0 ? -1 : patchOfCluster[clusters.clusterOf[u]];
+    });
     // Leave out centres that the last iteration added: no patch was grown from them.
     lloyd.center.resize(1 + *std::max_element(patchOfCluster.begin(), patchOfCluster.end()));
     lloyd.UpdateCenters();

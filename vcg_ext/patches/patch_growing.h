@@ -71,10 +71,9 @@ class PatchGrower {
         assigned = 0;
         if (!state)
             state = LargeArray<State>(graph.Size());
-        ParallelFor(progress.threads, graph.Size(), 1 << 16, [&](std::size_t first, std::size_t last) {
-            for (std::size_t u = first; u < last; ++u)
-                state[u] = {graph.position(0, u), graph.position(1, u), graph.position(2, u),
-                            patchOf[u] < 0 && TakesPart(Index(u)) ? std::numeric_limits<float>::infinity() : -1};
+        ParallelForEach(progress.threads, graph.Size(), 1 << 16, [&](std::size_t u) {
+            state[u] = {graph.position(0, u), graph.position(1, u), graph.position(2, u),
+                        patchOf[u] < 0 && TakesPart(Index(u)) ? std::numeric_limits<float>::infinity() : -1};
         });
         progress(0, stage);
     }

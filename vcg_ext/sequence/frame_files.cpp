@@ -34,9 +34,8 @@ void WriteRows(const WriteAt &write, std::uint64_t at, const PackedSurface &surf
     std::vector<float> numbers(3 * std::min(block, surface.slot.size()));
     for (std::size_t first = 0; first < surface.slot.size(); first += block) {
         const std::size_t last = std::min(first + block, surface.slot.size());
-        ParallelFor(surface.threads, last - first, 1 << 12, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i)
-                Eigen::Map<Eigen::Vector3f>(numbers.data() + 3 * i) = row(surface.slot[first + i]);
+        ParallelForEach(surface.threads, last - first, 1 << 12, [&](std::size_t i) {
+            Eigen::Map<Eigen::Vector3f>(numbers.data() + 3 * i) = row(surface.slot[first + i]);
         });
         if (!Eigen::Map<const Eigen::ArrayXf>(numbers.data(), Eigen::Index(3 * (last - first))).isFinite().all())
             throw BadInput("A vertex is farther away than single precision allows in this file (3e38). Scale the "

@@ -93,9 +93,8 @@ std::vector<LineSample> SamplesAlong(const FramedLine &line, const RegionDeforme
     if (std::all_of(samples.begin(), samples.end(), [](const LineSample &each) { return !(each.weight > 0); }))
         for (LineSample &each : samples) // points without an area
             each.weight = 1;
-    ParallelFor(progress, "Following the line", samples.size(), 256, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-            samples[i].s = PlaceNear(line, deformer, toWorld, place, samples[i].node, samples[i].at);
+    ParallelForEach(progress, "Following the line", samples.size(), 256, [&](std::size_t i) {
+        samples[i].s = PlaceNear(line, deformer, toWorld, place, samples[i].node, samples[i].at);
     });
     return samples;
 }

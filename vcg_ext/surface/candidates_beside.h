@@ -141,15 +141,14 @@ std::vector<std::uint32_t> CandidatesBeside(const Region &region, std::size_t pa
     CellSet first(std::min(parts, candidates));
     CoarseCells coarse(near);
     const float margin = reach.maxCoeff(); // points that share a fine cell are nearer than this
-    ParallelFor(progress.Slice(0, 0.5), readingStage, slots, 1 << 16, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-            if (isOn(i, partsFirst)) {
-                const Eigen::Vector3f x = at(i);
-                if (!near.contains(x))
-                    continue;
-                coarse.Insert(x, margin);
-                forCells(x, partsFirst, [&](std::uint64_t cell) { first.Insert(cell); });
-            }
+    ParallelForEach(progress.Slice(0, 0.5), readingStage, slots, 1 << 16, [&](std::size_t i) {
+        if (!isOn(i, partsFirst))
+            return;
+        const Eigen::Vector3f x = at(i);
+        if (!near.contains(x))
+            return;
+        coarse.Insert(x, margin);
+        forCells(x, partsFirst, [&](std::uint64_t cell) { first.Insert(cell); });
     });
     const auto thoseIn = [&](const CellSet &set, bool ofPart) {
         return CollectInOrder<std::uint32_t>(

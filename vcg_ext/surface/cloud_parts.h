@@ -45,12 +45,10 @@ class CloudParts {
         std::vector<std::uint32_t> cell;
         const auto cells = std::uint32_t(across.prod());
         AssignLarge(cell, mesh.vertexSlots, cells);
-        ParallelFor(progress.Slice(0.5, 1), readingStage, cell.size(), 1 << 16,
-                    [&](std::size_t first, std::size_t last) {
-                        for (std::size_t i = first; i < last; ++i)
-                            if (isLive(i))
-                                cell[i] = std::uint32_t(NumberOf(CellOf(i), across));
-                    });
+        ParallelForEach(progress.Slice(0.5, 1), readingStage, cell.size(), 1 << 16, [&](std::size_t i) {
+            if (isLive(i))
+                cell[i] = std::uint32_t(NumberOf(CellOf(i), across));
+        });
         begin.assign(std::size_t(cells) + 2, 0);
         for (std::uint32_t c : cell)
             ++begin[c + 1];

@@ -68,13 +68,11 @@ void FaceNormals(const SurfaceView &surface, const double *position, double *nor
                     Eigen::Map<Eigen::Vector3d>(normal + 3 * std::size_t(surface.corner[3 * f + k])) +=
                         faces.Of(f).normal[f % grainOfFaces] * double(faces.Of(f).angle[k][f % grainOfFaces]);
         });
-    ParallelFor(threads, n, 1 << 14, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) {
-            Eigen::Map<Eigen::Vector3d> sum(normal + 3 * i);
-            const double length = sum.norm(); // no overflow: it is at most a sum of angles
-            if (length > 0)
-                sum /= length;
-        }
+    ParallelForEach(threads, n, 1 << 14, [&](std::size_t i) {
+        Eigen::Map<Eigen::Vector3d> sum(normal + 3 * i);
+        const double length = sum.norm(); // no overflow: it is at most a sum of angles
+        if (length > 0)
+            sum /= length;
     });
 }
 

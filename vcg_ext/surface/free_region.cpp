@@ -141,14 +141,12 @@ class RegionFinder {
         Eigen::Matrix3Xd point(3, Eigen::Index(places)); // the first of each place
         PreferLargePages(point.data(), places * sizeof(Eigen::Vector3d));
         const std::unique_ptr<char[]> has = LargeArray<char>(places);
-        ParallelFor(progress.threads, places, grain, [&](std::size_t first, std::size_t last) {
-            for (std::size_t place = first; place < last; ++place) {
-                point.col(Eigen::Index(place)) = metric * mesh.At(slotOf[start[place]]);
-                char of = 0;
-                for (std::size_t k = start[place]; k < start[place + 1]; ++k)
-                    of = char(of | (Is(slotOf[k], free) ? hasFree : hasHeld));
-                has[place] = of;
-            }
+        ParallelForEach(progress.threads, places, grain, [&](std::size_t place) {
+            point.col(Eigen::Index(place)) = metric * mesh.At(slotOf[start[place]]);
+            char of = 0;
+            for (std::size_t k = start[place]; k < start[place + 1]; ++k)
+                of = char(of | (Is(slotOf[k], free) ? hasFree : hasHeld));
+            has[place] = of;
         });
         if (isPart)
             region.reach = unit * (ReachOf(point, has.get(), progress.Slice(0.1, 0.2)) + 2 * cell); // a place's width
@@ -204,11 +202,10 @@ class RegionFinder {
     /// Call it last.
     Region TakeRegion(const Progress &progress) {
         AssignLarge(region.flag, slots, Region::none);
-        ParallelFor(progress, readingStage, slots, grain, [&](std::size_t first, std::size_t last) {
-            for (std::size_t i = first; i < last; ++i)
-                region.flag[i] = Is(i, reached)                ? Region::part
-                                 : Is(i, live) && !Is(i, free) ? Region::candidate
-                                                               : Region::none;
+        ParallelForEach(progress, readingStage, slots, grain, [&](std::size_t i) {
+            region.flag[i] = Is(i, reached)                ? Region::part
+                             : Is(i, live) && !Is(i, free) ? Region::candidate
+                                                           : Region::none;
         });
         return std::move(region);
     }
@@ -232,21 +229,18 @@ class RegionFinder {
             runs.part.size()); // boxes with the neighbours of parts near held points
         const std::size_t grain = 256;
         const Progress looking = progress.Slice(0, 0.3);
-        ParallelFor(
-            looking, detail::findingNeighbours, runs.box.size(), grain, [&](std::size_t first, std::size_t last) {
-                for (std::size_t r = first; r < last; ++r) {
-                    bool hasAny[2] = {false, false};
-                    for (std::size_t place = r * runs.size; place < runs.End(r); ++place)
-                        if (has[place] & hasFree) {
-                            hasAny[runs.PartOf(place) % 2] = true;
-                            reachPlace(place);
-                        }
-                    for (std::size_t p : {2 * r, 2 * r + 1})
-                        if (hasAny[p % 2])
-                            if (const double reach = runs.Reach(p); held.IsNear(runs.part[p], reach))
-                                around[p] = {runs.part[p].min().array() - reach, runs.part[p].max().array() + reach};
+        ParallelForEach(looking, detail::findingNeighbours, runs.box.size(), grain, [&](std::size_t r) {
+            bool hasAny[2] = {false, false};
+            for (std::size_t place = r * runs.size; place < runs.End(r); ++place)
+                if (has[place] & hasFree) {
+                    hasAny[runs.PartOf(place) % 2] = true;
+                    reachPlace(place);
                 }
-            });
+            for (std::size_t p : {2 * r, 2 * r + 1})
+                if (hasAny[p % 2])
+                    if (const double reach = runs.Reach(p); held.IsNear(runs.part[p], reach))
+                        around[p] = {runs.part[p].min().array() - reach, runs.part[p].max().array() + reach};
+        });
         const detail::BoxTree searched(around.size(), [&](std::size_t p) { return around[p]; });
         std::vector<std::vector<std::size_t>> touched((runs.box.size() + grain - 1) / grain);
         const Progress touching = progress.Slice(0.3, 0.4);

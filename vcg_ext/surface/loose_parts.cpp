@@ -183,9 +183,8 @@ LooseFollowing FollowNearest(const PositionsRef &position, const std::vector<int
         if (loose.partOf[i] >= 0)
             near.push_back({i, LooseFollowing::none, 0});
     const char *stage = "Finding what loose parts follow";
-    ParallelFor(progress.Slice(0, 0.6), stage, near.size(), 1 << 10, [&](std::size_t first, std::size_t last) {
-        for (std::size_t n = first; n < last; ++n)
-            near[n].place = places.Nearest(position.col(Eigen::Index(near[n].slot)), near[n].distance);
+    ParallelForEach(progress.Slice(0, 0.6), stage, near.size(), 1 << 10, [&](std::size_t n) {
+        near[n].place = places.Nearest(position.col(Eigen::Index(near[n].slot)), near[n].distance);
     });
     std::vector<double> distance(loose.parts, std::numeric_limits<double>::infinity());
     std::vector<Eigen::AlignedBox3d> box(loose.parts);
@@ -205,13 +204,10 @@ LooseFollowing FollowNearest(const PositionsRef &position, const std::vector<int
             following.vertex.emplace_back();
             following.vertex.back().slot = i;
         }
-    ParallelFor(progress.Slice(0.6, 1), stage, following.vertex.size(), 1 << 10,
-                [&](std::size_t first, std::size_t last) {
-                    for (std::size_t v = first; v < last; ++v) {
-                        LooseFollowing::Vertex &vertex = following.vertex[v];
-                        places.Several(position.col(Eigen::Index(vertex.slot)), vertex.place, vertex.weight);
-                    }
-                });
+    ParallelForEach(progress.Slice(0.6, 1), stage, following.vertex.size(), 1 << 10, [&](std::size_t v) {
+        LooseFollowing::Vertex &vertex = following.vertex[v];
+        places.Several(position.col(Eigen::Index(vertex.slot)), vertex.place, vertex.weight);
+    });
     NumberPlaces(following);
     return following;
 }

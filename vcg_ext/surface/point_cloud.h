@@ -101,10 +101,8 @@ Csr ConnectPoints(const Eigen::Matrix3Xf &position, const CloudPairs &pairs, con
     // Neighbours in one direction only: v, and the point u that has v as its neighbour.
     std::vector<std::vector<std::pair<Index, Index>>> oneWay(chunks);
     const std::unique_ptr<std::atomic<std::uint32_t>[]> more(new std::atomic<std::uint32_t>[n]);
-    ParallelFor(progress.threads, std::size_t(n), grain, [&](std::size_t first, std::size_t last) {
-        for (std::size_t u = first; u < last; ++u)
-            more[u].store(0, std::memory_order_relaxed);
-    });
+    ParallelForEach(progress.threads, std::size_t(n), grain,
+                    [&](std::size_t u) { more[u].store(0, std::memory_order_relaxed); });
     ParallelFor(progress.Slice(0, 0.4), findingNeighbours, std::size_t(n), grain,
                 [&](std::size_t first, std::size_t last) {
                     auto &list = oneWay[first / grain];
@@ -135,11 +133,9 @@ Csr ConnectPoints(const Eigen::Matrix3Xf &position, const CloudPairs &pairs, con
                     for (const auto &[v, u] : oneWay[first / grain]) // in any order; sorted below
                         graph.item[graph.begin[v + 1] - more[v].fetch_sub(1, std::memory_order_relaxed)] = u;
                 });
-    ParallelFor(progress.Slice(0.7, 1), findingNeighbours, std::size_t(n), grain,
-                [&](std::size_t first, std::size_t last) {
-                    for (std::size_t u = first; u < last; ++u)
-                        SortShort(graph.item.data() + graph.begin[u], graph.item.data() + graph.begin[u + 1]);
-                });
+    ParallelForEach(progress.Slice(0.7, 1), findingNeighbours, std::size_t(n), grain, [&](std::size_t u) {
+        SortShort(graph.item.data() + graph.begin[u], graph.item.data() + graph.begin[u + 1]);
+    });
     return graph;
 }
 

@@ -33,24 +33,18 @@ fcd::SurfaceArrays ReadSurface(const MeshType &m, const fcd::Progress &progress 
     constexpr std::size_t grain = 1 << 16;
     const bool isCompact = std::size_t(m.vn) == m.vert.size(); // no vertex is deleted
     fcd::SurfaceArrays arrays(m.vert.size(), m.face.size(), m.edge.size(), !isCompact);
-    ParallelFor(progress.Slice(0, 0.5), fcd::readingStage, m.vert.size(), grain,
-                [&](std::size_t first, std::size_t last) {
-                    for (std::size_t i = first; i < last; ++i) {
-                        double *to = arrays.Position(i);
-                        if (!isCompact)
-                            arrays.Deleted()[i] = m.vert[i].IsD();
-                        for (int d = 0; d < 3; ++d)
-                            if constexpr (std::is_same<Rest, std::nullptr_t>::value)
-                                to[d] = m.vert[i].cP()[d];
-                            else
-                                to[d] = rest(i)[d];
-                    }
-                });
-    ParallelFor(progress.Slice(0.5, 1), fcd::readingStage, m.face.size(), grain,
-                [&](std::size_t first, std::size_t last) {
-                    for (std::size_t f = first; f < last; ++f)
-                        ReadSlots(m, m.face[f], 3, arrays.Corner(f));
-                });
+    ParallelForEach(progress.Slice(0, 0.5), fcd::readingStage, m.vert.size(), grain, [&](std::size_t i) {
+        double *to = arrays.Position(i);
+        if (!isCompact)
+            arrays.Deleted()[i] = m.vert[i].IsD();
+        for (int d = 0; d < 3; ++d)
+            if constexpr (std::is_same<Rest, std::nullptr_t>::value)
+                to[d] = m.vert[i].cP()[d];
+            else
+                to[d] = rest(i)[d];
+    });
+    ParallelForEach(progress.Slice(0.5, 1), fcd::readingStage, m.face.size(), grain,
+                    [&](std::size_t f) { ReadSlots(m, m.face[f], 3, arrays.Corner(f)); });
     for (std::size_t e = 0; e < m.edge.size(); ++e)
         ReadSlots(m, m.edge[e], 2, arrays.End(e));
     arrays.isCloud = m.fn == 0 && m.en == 0;

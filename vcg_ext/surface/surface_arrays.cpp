@@ -35,14 +35,13 @@ void SurfaceView::Validate(const Progress &progress) const {
     ExpectCountable(vertexSlots, faces, edges);
     std::atomic<std::size_t> bad{faces + edges};
     const auto check = [&](const std::uint32_t *vertex, std::size_t count, std::size_t elements, std::size_t before) {
-        ParallelFor(progress, readingStage, elements, 1 << 16, [&](std::size_t first, std::size_t last) {
-            for (std::size_t e = first; e < last; ++e)
-                for (std::size_t k = 0; k < count && vertex[count * e] != none; ++k)
-                    if (vertex[count * e + k] >= vertexSlots) {
-                        std::size_t least = bad;
-                        while (before + e < least && !bad.compare_exchange_weak(least, before + e)) {
-                        }
+        ParallelForEach(progress, readingStage, elements, 1 << 16, [&](std::size_t e) {
+            for (std::size_t k = 0; k < count && vertex[count * e] != none; ++k)
+                if (vertex[count * e + k] >= vertexSlots) {
+                    std::size_t least = bad;
+                    while (before + e < least && !bad.compare_exchange_weak(least, before + e)) {
                     }
+                }
         });
     };
     check(corner, 3, faces, 0);

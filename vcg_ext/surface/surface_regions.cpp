@@ -228,25 +228,22 @@ class RegionTaker {
         RegionSource &part = parts[r];
         part.arrays = SurfaceArrays(part.slotOf.size(), part.faceOf.size(), edges[r].size(), false);
         AssignLarge(part.tag, part.slotOf.size(), 0);
-        ParallelFor(progress.threads, part.slotOf.size(), grain, [&](std::size_t first, std::size_t last) {
-            for (std::size_t i = first; i < last; ++i) {
-                Eigen::Map<Eigen::Vector3d>(part.arrays.Position(i)) = mesh.At(part.slotOf[i]);
-                const std::size_t slot = part.slotOf[i];
-                const Index u = NodeOf(slot);
-                // A vertex that only a degenerate face brings in is free in another region, and held in this one.
-                const bool isOfOthers = u >= 0 && tag[u] == 1 && !IsFreeIn(r, slot);
-                part.tag[i] = isOfOthers ? 0 : slotTag[slot];
-                if (IsFreeIn(r, slot))
-                    local[slot] = std::uint32_t(i);
-            }
+        ParallelForEach(progress.threads, part.slotOf.size(), grain, [&](std::size_t i) {
+            Eigen::Map<Eigen::Vector3d>(part.arrays.Position(i)) = mesh.At(part.slotOf[i]);
+            const std::size_t slot = part.slotOf[i];
+            const Index u = NodeOf(slot);
+            // A vertex that only a degenerate face brings in is free in another region, and held in this one.
+            const bool isOfOthers = u >= 0 && tag[u] == 1 && !IsFreeIn(r, slot);
+            part.tag[i] = isOfOthers ? 0 : slotTag[slot];
+            if (IsFreeIn(r, slot))
+                local[slot] = std::uint32_t(i);
         });
         const auto find = [&](std::size_t slot) {
             return IsFreeIn(r, slot) ? local[slot] : std::uint32_t(part.Find(slot));
         };
-        ParallelFor(progress.threads, part.faceOf.size(), grain, [&](std::size_t first, std::size_t last) {
-            for (std::size_t f = first; f < last; ++f)
-                for (std::size_t k = 0; k < 3; ++k)
-                    part.arrays.Corner(f)[k] = find(mesh.corner[3 * std::size_t(part.faceOf[f]) + k]);
+        ParallelForEach(progress.threads, part.faceOf.size(), grain, [&](std::size_t f) {
+            for (std::size_t k = 0; k < 3; ++k)
+                part.arrays.Corner(f)[k] = find(mesh.corner[3 * std::size_t(part.faceOf[f]) + k]);
         });
         for (std::size_t e = 0; e < edges[r].size(); ++e)
             for (std::size_t k = 0; k < 2; ++k)

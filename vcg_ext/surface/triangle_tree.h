@@ -43,10 +43,8 @@ class TriangleTree {
     TriangleTree(const Eigen::Matrix3Xd &position, std::vector<std::array<Index, 3>> given,
                  const Progress &progress = {})
         : position(position), triangle(std::move(given)), middle(triangle.size()) {
-        ParallelFor(progress.Slice(0, 0.1), stage, triangle.size(), 1 << 14, [&](std::size_t first, std::size_t last) {
-            for (std::size_t t = first; t < last; ++t)
-                middle[t] = BoxOf(Index(t)).center();
-        });
+        ParallelForEach(progress.Slice(0, 0.1), stage, triangle.size(), 1 << 14,
+                        [&](std::size_t t) { middle[t] = BoxOf(Index(t)).center(); });
         std::vector<Index> order(triangle.size());
         std::iota(order.begin(), order.end(), 0);
         nodeCount = std::max<std::size_t>(1, NodesAround(order.size()));

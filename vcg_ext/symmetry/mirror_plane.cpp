@@ -99,17 +99,15 @@ class Matching {
   private:
     /// Distances count more (wrongSide) if normals point to opposite sides.
     void Match() {
-        ParallelFor(threads, points.size(), 64, [&](std::size_t first, std::size_t last) {
-            for (std::size_t s = first; s < last; ++s) {
-                const Eigen::Vector3d p = plane(points[s]);
-                const FitTarget::Match match = surface.Nearest(p, hint[s]);
-                const bool isOther = match.isOriented && match.normal.dot(plane.Turn(normal[s])) < 0;
-                const Eigen::Vector3d foot = match.Foot(p);
-                far[s] = (p - foot).norm() * (isOther ? wrongSide : 1);
-                // Far from the right plane, too much of a cloud with limbs would seem to have no counterpart.
-                share[s] = match.onBorder && !surface.IsCloud() ? 0 : 1;
-                pairs[s] = {points[s], foot};
-            }
+        ParallelForEach(threads, points.size(), 64, [&](std::size_t s) {
+            const Eigen::Vector3d p = plane(points[s]);
+            const FitTarget::Match match = surface.Nearest(p, hint[s]);
+            const bool isOther = match.isOriented && match.normal.dot(plane.Turn(normal[s])) < 0;
+            const Eigen::Vector3d foot = match.Foot(p);
+            far[s] = (p - foot).norm() * (isOther ? wrongSide : 1);
+            // Far from the right plane, too much of a cloud with limbs would seem to have no counterpart.
+            share[s] = match.onBorder && !surface.IsCloud() ? 0 : 1;
+            pairs[s] = {points[s], foot};
         });
     }
 

@@ -120,10 +120,7 @@ void LeaveOutDetours(const std::vector<Eigen::Vector3d> &at, const std::vector<W
         return;
     const PointTree<double> tree(at, threads);
     std::vector<double> back(at.size());
-    ParallelFor(threads, at.size(), 64, [&](std::size_t first, std::size_t last) {
-        for (std::size_t s = first; s < last; ++s)
-            tree.Nearest(match[s].point, &back[s]);
-    });
+    ParallelForEach(threads, at.size(), 64, [&](std::size_t s) { tree.Nearest(match[s].point, &back[s]); });
     const double spacing = MedianOf(back);
     for (std::size_t s = 0; s < at.size(); ++s)
         if (!match[s].isOriented && far[s] > spacing + mostDetour * back[s])
@@ -219,11 +216,9 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *r
                     }
         for (int step = 0; step < mostSteps; ++step) {
             progress((degree - 1 + double(step) / mostSteps) / goal.degree, "Warping");
-            ParallelFor(progress.threads, places, 64, [&](std::size_t first, std::size_t last) {
-                for (std::size_t s = first; s < last; ++s) {
-                    match[s] = goal.match(s, at[s]);
-                    far[s] = (match[s].point - at[s]).norm();
-                }
+            ParallelForEach(progress.threads, places, 64, [&](std::size_t s) {
+                match[s] = goal.match(s, at[s]);
+                far[s] = (match[s].point - at[s]).norm();
             });
             for (std::size_t s = 0; s < places; ++s)
                 share[s] = far[s] <= goal.farthest ? goal.weight[s] * match[s].weight * SideOf(normal[s], match[s]) : 0;
