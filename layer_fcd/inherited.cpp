@@ -5,6 +5,8 @@
 #include "mesh_copy.h"
 #include "rest_shape.h"
 
+#include <vcg_ext/base/lists.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -103,8 +105,7 @@ class TaggedPlaces {
         for (const TaggedVertex &each : scan.vertices)
             if (each.hasColor && (colors.empty() || each.tagColor != colors.back()))
                 colors.push_back(each.tagColor);
-        std::sort(colors.begin(), colors.end());
-        colors.erase(std::unique(colors.begin(), colors.end()), colors.end());
+        vcg::fcd::SortUnique(colors);
     }
 
     const KeptScan &kept() const { return scan; }

@@ -10,7 +10,6 @@
 #include <mutex>
 #include <utility>
 
-using vcg::fcd::Index;
 using vcg::fcd::ParallelFor;
 using vcg::fcd::Progress;
 
@@ -74,12 +73,12 @@ template <class Asked>
 NormalCount countOtherNormals(const CMeshO &mesh, double near, const Asked &isAsked) {
     using Corner = std::pair<std::size_t, std::size_t>; // of a vertex: its number, and three times the face's plus k
     std::vector<Corner> corners = vcg::fcd::CollectInOrder<Corner>(
-        Progress(), "", Index(mesh.face.size()), [&](Index f, std::vector<Corner> &found) {
-            vcg::fcd::Prefetch(&mesh.face[std::min(std::size_t(f) + 16, mesh.face.size() - 1)]);
-            const CFaceO &face = mesh.face[std::size_t(f)];
+        Progress(), "", mesh.face.size(), [&](std::size_t f, std::vector<Corner> &found) {
+            vcg::fcd::Prefetch(&mesh.face[std::min(f + 16, mesh.face.size() - 1)]);
+            const CFaceO &face = mesh.face[f];
             for (std::size_t k = 0; !face.IsD() && k < 3; ++k)
                 if (const std::size_t i = vcg::tri::Index(mesh, face.cV(int(k))); isAsked(i))
-                    found.emplace_back(i, 3 * std::size_t(f) + k);
+                    found.emplace_back(i, 3 * f + k);
         });
     std::sort(corners.begin(), corners.end());
     NormalCount count;

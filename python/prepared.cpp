@@ -72,8 +72,8 @@ void Prepared::prepare(const nb::object &report, const Make &make) {
         const vcg::fcd::Stopwatch watch;
         param.Validate();
         view.Validate(progress.Slice(0, 0.02));
-        tags = param.bendsUnheld ? vcg::fcd::CountTags(handles.tag, nullptr, threads)
-                                 : vcg::fcd::CountHandles(handles, view.vertexSlots, nullptr, threads);
+        tags = param.bendsUnheld ? vcg::fcd::CountTags(handles.tag, nullptr)
+                                 : vcg::fcd::CountHandles(handles, view.vertexSlots, nullptr);
         deformer = make(*this, progress.Slice(0.02, 1));
         findStill(progress);
         std::mutex lock; // for box
@@ -92,11 +92,8 @@ void Prepared::prepare(const nb::object &report, const Make &make) {
 void Prepared::findStill(const Progress &progress) {
     std::vector<char> moves(view.vertexSlots, 0);
     deformer->ForMoving([&](std::size_t slot) { moves[slot] = 1; });
-    still = vcg::fcd::CollectInOrder<std::uint32_t>(progress.Slice(1, 1), "Preparing the mapping", Index(moves.size()),
-                                                    [&](Index i, std::vector<std::uint32_t> &found) {
-                                                        if (!moves[std::size_t(i)])
-                                                            found.push_back(std::uint32_t(i));
-                                                    });
+    still = vcg::fcd::NumbersThat<std::uint32_t>(progress.Slice(1, 1), "Preparing the mapping", moves.size(),
+                                                 [&](std::size_t slot) { return !moves[slot]; });
 }
 
 nb::tuple Prepared::graph() const {

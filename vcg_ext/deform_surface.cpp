@@ -283,7 +283,7 @@ DeformationResult DeformSurface(const SurfaceView &mesh, const NormalOf &normal,
                                 const DeformationParam &param, const Progress &progress) {
     param.Validate();
     DeformationResult result;
-    result.tags = CountHandles(handles, mesh.vertexSlots, mesh.deleted, progress.threads);
+    result.tags = CountHandles(handles, mesh.vertexSlots, mesh.deleted);
     const Stopwatch watch;
     const std::unique_ptr<Deformer> deformer = PrepareDeformer(mesh, handles, param, progress.Slice(0, 0.75));
     const double seconds = watch.Seconds();

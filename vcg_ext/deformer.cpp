@@ -167,9 +167,9 @@ bool HasNodes(const Deformer &deformer, const Eigen::Matrix3Xd &nodes) {
     return true;
 }
 
-TagCount CountHandles(const Handles &handles, std::size_t slots, const char *deleted, unsigned threads) {
+TagCount CountHandles(const Handles &handles, std::size_t slots, const char *deleted) {
     ExpectTags(handles.tag, slots);
-    TagCount tags = CountTags(handles.tag, deleted, threads);
+    TagCount tags = CountTags(handles.tag, deleted);
     tags.handle += Index(handles.point.size());
     tags.free -= Index(handles.point.size());
     if (tags.handle == 0)

@@ -90,7 +90,7 @@ class Deformer : public MovingSurface {
 /// Counts the vertices by tag; point handles count as handles.
 /// \param slots vertex slots of the surface \param deleted flags of slots, null: none is deleted
 /// \throw BadInput wrong number of tags, no handle, or nothing free
-TagCount CountHandles(const Handles &handles, std::size_t slots, const char *deleted, unsigned threads = 0);
+TagCount CountHandles(const Handles &handles, std::size_t slots, const char *deleted);
 
 /// Prepares a surface to be deformed. Of \p handles, motions and targets are not read.
 /// \param kept if given: a deformer of the same mesh, parameters and \p handles.world; its regions with unchanged tags

@@ -270,11 +270,7 @@ class DeformerMaker {
                 return all.slotTag[i] > 1;
             return (!all.loose.partOf.empty() && all.loose.partOf[i] >= 0) || (!isPoint.empty() && isPoint[i]);
         };
-        all.carried = CollectInOrder<std::uint32_t>(progress, "Preparing the mapping", Index(all.slotTag.size()),
-                                                    [&](Index i, std::vector<std::uint32_t> &found) {
-                                                        if (isCarried(std::size_t(i)))
-                                                            found.push_back(std::uint32_t(i));
-                                                    });
+        all.carried = NumbersThat<std::uint32_t>(progress, "Preparing the mapping", all.slotTag.size(), isCarried);
     }
 
     const SurfaceView mesh;

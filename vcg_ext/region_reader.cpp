@@ -37,8 +37,8 @@ void AddLoose(const LooseSurface &loose, const RegionSource &part, const RegionS
 std::vector<std::pair<std::uint32_t, int>> HeldBeside(const SurfaceGraph &surface, const std::vector<int> &tag,
                                                       const HeldNodes &held, const Progress &progress) {
     return CollectInOrder<std::pair<std::uint32_t, int>>(
-        progress, readingStage, Index(surface.slots.size()), [&](Index i, auto &beside) {
-            const std::uint32_t slot = surface.slots[std::size_t(i)];
+        progress, readingStage, surface.slots.size(), [&](std::size_t i, auto &beside) {
+            const std::uint32_t slot = surface.slots[i];
             if (const Index u = surface.nodeOf[slot]; u >= 0)
                 if (const Index heldTag = held.Original(held.tag[std::size_t(u)]);
                     heldTag != 1 && heldTag >= 0 && heldTag != std::max(0, tag[slot]))

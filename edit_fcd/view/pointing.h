@@ -42,12 +42,7 @@ class SeenPart {
 /// The slots below \p count for which \p isSeen, ascending.
 template <class IsSeen>
 std::vector<std::size_t> slotsThat(std::size_t count, const IsSeen &isSeen) {
-    using vcg::fcd::Index;
-    return vcg::fcd::CollectInOrder<std::size_t>(vcg::fcd::Progress(), "Marking", Index(count),
-                                                 [&](Index i, std::vector<std::size_t> &found) {
-                                                     if (isSeen(std::size_t(i)))
-                                                         found.push_back(std::size_t(i));
-                                                 });
+    return vcg::fcd::NumbersThat<std::size_t>(vcg::fcd::Progress(), "Marking", count, isSeen);
 }
 
 /// Draws a polygon in the window.

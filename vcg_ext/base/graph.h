@@ -47,16 +47,25 @@ struct Graph {
 
 /// Calls collect(u, list) for u in [0, n), in parallel. \return what it added to the lists, in the order of u
 template <class Item = Index, class Collect>
-std::vector<Item> CollectInOrder(const Progress &progress, const char *stage, Index n, const Collect &collect) {
+std::vector<Item> CollectInOrder(const Progress &progress, const char *stage, std::size_t n, const Collect &collect) {
     const std::size_t grain = 1 << 16;
-    std::vector<std::vector<Item>> lists((std::size_t(n) + grain - 1) / grain);
+    std::vector<std::vector<Item>> lists((n + grain - 1) / grain);
     ParallelFor(progress, stage, n, grain, [&](std::size_t first, std::size_t last) {
         std::vector<Item> list;
         for (std::size_t u = first; u < last; ++u)
-            collect(Index(u), list);
+            collect(u, list);
         lists[first / grain] = std::move(list);
     });
     return Together(lists);
+}
+
+/// The numbers u in [0, n) with is(u), ascending; in parallel.
+template <class Item = Index, class Is>
+std::vector<Item> NumbersThat(const Progress &progress, const char *stage, std::size_t n, const Is &is) {
+    return CollectInOrder<Item>(progress, stage, n, [&](std::size_t u, std::vector<Item> &found) {
+        if (is(u))
+            found.push_back(Item(u));
+    });
 }
 
 /// The dual graph of groups of nodes: which groups touch, and the sum of a value over the edges between two groups.

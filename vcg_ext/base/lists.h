@@ -4,6 +4,7 @@
 
 #include <vcg_ext/base/memory.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -39,6 +40,13 @@ std::vector<Item> Together(std::vector<std::vector<Item>> &lists) {
     for (std::vector<Item> &list : lists)
         parts.push_back({std::move(list)});
     return Together(parts, &Part::list);
+}
+
+/// Sorts a list, and keeps one of equal items.
+template <class Item>
+void SortUnique(std::vector<Item> &list) {
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
 }
 
 } // namespace vcg::fcd

@@ -47,19 +47,14 @@ Looked FacesToLookAt(const TwoShapes &shape, const Progress &progress) {
             }
     });
     Looked all;
-    for (Looked &each : part) {
-        all.face.insert(all.face.end(), each.face.begin(), each.face.end());
+    for (const Looked &each : part)
         all.box.extend(each.box);
-    }
+    all.face = Together(part, &Looked::face);
     if (all.face.empty())
         return all;
-    ParallelFor(progress.Slice(0.7, 1), stage, mesh.faces, grain, [&](std::size_t first, std::size_t last) {
-        for (std::size_t f = first; f < last; ++f)
-            if (mesh.IsFace(f) && stateOf(f) == Stays && all.box.intersects(shape.BoxNow(f)) && shape.HasAreaNow(f))
-                part[first / grain].still.push_back(std::uint32_t(f));
+    all.still = NumbersThat<std::uint32_t>(progress.Slice(0.7, 1), stage, mesh.faces, [&](std::size_t f) {
+        return mesh.IsFace(f) && stateOf(f) == Stays && all.box.intersects(shape.BoxNow(f)) && shape.HasAreaNow(f);
     });
-    for (Looked &each : part)
-        all.still.insert(all.still.end(), each.still.begin(), each.still.end());
     return all;
 }
 
@@ -232,11 +227,8 @@ std::vector<Crossing> FindCrossings(const TwoShapes &shape, double apart, std::v
             });
         }
     });
-    std::vector<Crossing> all;
-    for (const Found &each : found) {
-        all.insert(all.end(), each.crossing.begin(), each.crossing.end());
-        pinches.insert(pinches.end(), each.pinch.begin(), each.pinch.end());
-    }
+    pinches = Together(found, &Found::pinch);
+    std::vector<Crossing> all = Together(found, &Found::crossing);
     std::sort(all.begin(), all.end());
     return all;
 }

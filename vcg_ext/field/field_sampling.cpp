@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/lists.h>
 #include <vcg_ext/field/field_sampler.h>
 
 #include <cassert>
@@ -10,10 +11,6 @@ std::vector<std::array<Index, 3>> detail::DualOf(const Patches &patches, const S
                                                  const std::vector<std::array<Index, 3>> &face,
                                                  const Progress &progress) {
     using Corners = std::array<Index, 3>;
-    const auto unique = [](std::vector<Corners> &list) {
-        std::sort(list.begin(), list.end());
-        list.erase(std::unique(list.begin(), list.end()), list.end());
-    };
     const std::size_t grain = 1 << 16;
     std::vector<std::vector<Corners>> found((face.size() + grain - 1) / grain);
     ParallelFor(progress, "Sampling", face.size(), grain, [&](std::size_t first, std::size_t last) {
@@ -28,11 +25,11 @@ std::vector<std::array<Index, 3>> detail::DualOf(const Patches &patches, const S
             if (list.empty() || list.back() != corners)
                 list.push_back(corners);
         }
-        unique(list);
+        SortUnique(list);
         found[first / grain] = std::move(list);
     });
     std::vector<Corners> all = Together(found);
-    unique(all);
+    SortUnique(all);
 
     // Keep edges and points only if they are in no triangle or edge.
     std::vector<std::array<Index, 2>> edges;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/lists.h>
 #include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/fit/fit_ends.h>
 #include <vcg_ext/surface/surface_reach.h>
@@ -46,8 +47,7 @@ Graph Joined(const std::vector<Eigen::Vector3d> &place, const std::vector<Eigen:
             }
     }
     for (std::vector<Index> &each : list) {
-        std::sort(each.begin(), each.end());
-        each.erase(std::unique(each.begin(), each.end()), each.end());
+        SortUnique(each);
         graph.adjacency.item.insert(graph.adjacency.item.end(), each.begin(), each.end());
         graph.adjacency.begin.push_back(std::uint32_t(graph.adjacency.item.size()));
     }

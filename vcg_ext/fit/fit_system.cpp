@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/lists.h>
 #include <vcg_ext/base/rotation_fit.h>
 #include <vcg_ext/base/rotation_vector.h>
 #include <vcg_ext/fit/fit_system.h>
@@ -42,17 +43,14 @@ FitSystem::FitSystem(const RegionDeformer &deformer, const std::vector<char> &is
             uses[a].push_back({std::uint32_t(s), t});
             for (std::uint32_t other = samples.begin[s]; other < samples.begin[s + 1]; ++other)
                 join(a, unknown[std::size_t(samples.term[other].node)]);
-            if (beside[a].size() > 4096) {
-                std::sort(beside[a].begin(), beside[a].end());
-                beside[a].erase(std::unique(beside[a].begin(), beside[a].end()), beside[a].end());
-            }
+            if (beside[a].size() > 4096)
+                SortUnique(beside[a]);
         }
     for (std::size_t a = 0; a < node.size(); ++a) {
         join(Index(a), Index(a));
         for (Index j : deformer.graph.graph.adjacency[node[a]])
             join(Index(a), unknown[j]);
-        std::sort(beside[a].begin(), beside[a].end());
-        beside[a].erase(std::unique(beside[a].begin(), beside[a].end()), beside[a].end());
+        SortUnique(beside[a]);
     }
     if (size == 12)
         system.emplace<System<12>>();

@@ -99,16 +99,11 @@ void AddHeldPatches(const Graph &surface, const std::vector<Index> &tag, Patches
     for (Index p : patches.patchOf)
         if (p >= 0)
             ++count[p];
-    const std::vector<Index> held =
-        CollectInOrder(progress, "Building the graph", surface.Size(), [&](Index u, std::vector<Index> &found) {
-            if (patches.patchOf[u] >= 0)
-                return;
-            for (Index v : surface.adjacency[u])
-                if (patches.patchOf[v] >= 0) {
-                    found.push_back(u);
-                    return;
-                }
-        });
+    const std::vector<Index> held = NumbersThat(progress, "Building the graph", surface.Size(), [&](Index u) {
+        const auto isOfPatch = [&](Index v) { return patches.patchOf[v] >= 0; };
+        const Csr::Row beside = surface.adjacency[u];
+        return !isOfPatch(u) && std::any_of(beside.begin(), beside.end(), isOfPatch);
+    });
     struct Member {
         Index patch, tag, alone, node;
         bool operator<(const Member &o) const {

@@ -12,19 +12,15 @@ HeldNodes HoldNodes(const SurfaceGraph &surface, const std::vector<int> &slotTag
                     const Progress &progress) {
     HeldNodes held;
     held.tag = surface.tag;
-    const std::vector<Index> alone =
-        CollectInOrder(progress, "Reading the handles", surface.graph.Size(), [&](Index u, std::vector<Index> &found) {
-            if (held.tag[u] == 1)
-                return;
-            bool free = false;
-            for (Index v : surface.graph.adjacency[u]) {
-                if (held.tag[v] == held.tag[u])
-                    return;
-                free |= held.tag[v] == 1;
-            }
-            if (free)
-                found.push_back(u);
-        });
+    const std::vector<Index> alone = NumbersThat(progress, "Reading the handles", surface.graph.Size(), [&](Index u) {
+        bool isBesideFree = false;
+        for (Index v : surface.graph.adjacency[u]) {
+            if (held.tag[v] == held.tag[u])
+                return false;
+            isBesideFree |= held.tag[v] == 1;
+        }
+        return isBesideFree && held.tag[u] != 1;
+    });
     std::map<std::size_t, std::size_t> isolated; // point handles where there is no surface, by slot
     for (std::size_t i = 0; i < point.size(); ++i) {
         const std::string name = "Point handle " + std::to_string(i + 1);

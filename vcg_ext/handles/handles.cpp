@@ -7,6 +7,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
 
 namespace vcg::fcd {
@@ -197,24 +198,12 @@ void ExpectTags(const std::vector<int> &tag, std::size_t slots) {
                        " vertices; give one tag per vertex.");
 }
 
-TagCount CountTags(const std::vector<int> &tag, const char *deleted, unsigned threads) {
-    const std::size_t grain = 1 << 16;
-    std::vector<TagCount> counts((tag.size() + grain - 1) / grain);
-    ParallelFor(threads, tag.size(), grain, [&](std::size_t first, std::size_t last) {
-        TagCount here;
-        for (std::size_t i = first; i < last; ++i)
-            if (!deleted || !deleted[i])
-                ++(tag[i] < 0 ? here.outside : tag[i] == 0 ? here.fixed : tag[i] == 1 ? here.free : here.handle);
-        counts[first / grain] = here;
-    });
-    TagCount count;
-    for (const TagCount &here : counts) {
-        count.fixed += here.fixed;
-        count.handle += here.handle;
-        count.free += here.free;
-        count.outside += here.outside;
-    }
-    return count;
+TagCount CountTags(const std::vector<int> &tag, const char *deleted) {
+    Index count[4] = {}; // outside, fixed, free, handles
+    for (std::size_t i = 0; i < tag.size(); ++i)
+        if (!deleted || !deleted[i])
+            ++count[std::clamp(tag[i], -1, 2) + 1];
+    return {count[1], count[3], count[2], count[0]};
 }
 
 } // namespace vcg::fcd

@@ -93,7 +93,7 @@ struct TagCount {
 void ExpectTags(const std::vector<int> &tag, std::size_t slots);
 
 /// \param tag one per vertex slot \param deleted flags of slots that do not count; null: none
-TagCount CountTags(const std::vector<int> &tag, const char *deleted, unsigned threads = 0);
+TagCount CountTags(const std::vector<int> &tag, const char *deleted);
 
 } // namespace vcg::fcd
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/lists.h>
 #include <vcg_ext/base/words.h>
 #include <vcg_ext/line/line_points.h>
 
@@ -10,8 +11,7 @@ namespace vcg::fcd {
 std::vector<Index> PathOfEdges(std::vector<std::array<Index, 2>> edge, const std::string &name) {
     for (std::array<Index, 2> &each : edge)
         std::sort(each.begin(), each.end());
-    std::sort(edge.begin(), edge.end());
-    edge.erase(std::unique(edge.begin(), edge.end()), edge.end());
+    SortUnique(edge);
     std::map<Index, std::vector<Index>> beside;
     for (const auto &[a, b] : edge)
         if (a != b) {

@@ -33,10 +33,8 @@ inline std::vector<Index> CellBegins(const Graph &graph, int bits, const Progres
     auto code = [&](Index u) {
         return MortonCode(graph.position(0, u), graph.position(1, u), graph.position(2, u)) >> shift;
     };
-    std::vector<Index> begin = CollectInOrder(progress, samplingStage, graph.Size(), [&](Index u, auto &begins) {
-        if (u == 0 || code(u) != code(u - 1))
-            begins.push_back(u);
-    });
+    std::vector<Index> begin =
+        NumbersThat(progress, samplingStage, graph.Size(), [&](Index u) { return u == 0 || code(u) != code(u - 1); });
     begin.push_back(graph.Size());
     return begin;
 }

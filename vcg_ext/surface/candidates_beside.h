@@ -151,17 +151,15 @@ std::vector<std::uint32_t> CandidatesBeside(const Region &region, std::size_t pa
         forCells(x, partsFirst, [&](std::uint64_t cell) { first.Insert(cell); });
     });
     const auto thoseIn = [&](const CellSet &set, bool ofPart) {
-        return CollectInOrder<std::uint32_t>(
-            progress.Slice(0.5, 1), readingStage, Index(slots), [&](Index i, std::vector<std::uint32_t> &found) {
-                if (!isOn(std::size_t(i), ofPart))
-                    return;
-                const Eigen::Vector3f x = at(std::size_t(i));
-                bool isIn = false;
-                if (near.contains(x) && coarse.Contains(x))
-                    forCells(x, ofPart, [&](std::uint64_t cell) { isIn = isIn || set.Contains(cell); });
-                if (isIn)
-                    found.push_back(std::uint32_t(i));
-            });
+        return NumbersThat<std::uint32_t>(progress.Slice(0.5, 1), readingStage, slots, [&](std::size_t i) {
+            if (!isOn(i, ofPart))
+                return false;
+            const Eigen::Vector3f x = at(i);
+            bool isIn = false;
+            if (near.contains(x) && coarse.Contains(x))
+                forCells(x, ofPart, [&](std::uint64_t cell) { isIn = isIn || set.Contains(cell); });
+            return isIn;
+        });
     };
     std::vector<std::uint32_t> part = thoseIn(first, !partsFirst), beside;
     CellSet second(part.size());

@@ -189,8 +189,7 @@ class RegionFinder {
         });
         region.faces = Together(found, &Found::faces);
         region.apart = Together(found, &Found::apart);
-        std::sort(region.apart.begin(), region.apart.end());
-        region.apart.erase(std::unique(region.apart.begin(), region.apart.end()), region.apart.end());
+        SortUnique(region.apart);
         for (std::size_t e = 0; e < mesh.edges; ++e)
             if (mesh.IsEdge(e)) {
                 const std::size_t slot[2] = {mesh.end[2 * e], mesh.end[2 * e + 1]};

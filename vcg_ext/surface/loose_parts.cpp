@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/base/elementary.h>
+#include <vcg_ext/base/lists.h>
 #include <vcg_ext/base/memory.h>
 #include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/surface/free_region.h>
@@ -94,8 +95,7 @@ void NumberPlaces(LooseFollowing &following) {
         for (const Index slot : vertex.place)
             if (slot >= 0)
                 following.place.push_back(std::size_t(slot));
-    std::sort(following.place.begin(), following.place.end());
-    following.place.erase(std::unique(following.place.begin(), following.place.end()), following.place.end());
+    SortUnique(following.place);
     for (LooseFollowing::Vertex &vertex : following.vertex)
         for (Index &place : vertex.place)
             if (place >= 0)
@@ -144,13 +144,11 @@ LooseSurface FindLoose(const std::vector<int> &slotTag, const std::vector<std::s
             isPoint.resize(slotTag.size(), 0);
             isPoint[i] = 1;
         }
-    const std::vector<Index> slots =
-        CollectInOrder(progress, readingStage, Index(slotTag.size()), [&](Index i, std::vector<Index> &found) {
-            const Index u = surface.nodeOf[i];
-            if (slotTag[i] == 1 &&
-                (u < 0 ? isPoint.empty() || !isPoint[i] : componentOf[u] >= 0 && !stays[componentOf[u]]))
-                found.push_back(i);
-        });
+    const std::vector<Index> slots = NumbersThat(progress, readingStage, slotTag.size(), [&](Index i) {
+        const Index u = surface.nodeOf[i];
+        return slotTag[i] == 1 &&
+               (u < 0 ? isPoint.empty() || !isPoint[i] : componentOf[u] >= 0 && !stays[componentOf[u]]);
+    });
     if (!slots.empty())
         AssignLarge(loose.partOf, slotTag.size(), Index(-1));
     for (Index i : slots) {

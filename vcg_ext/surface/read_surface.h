@@ -65,10 +65,10 @@ std::vector<char> DeletedOf(const MeshType &m) {
 
 /// fcd::CountTags of a mesh. \param tag one per vertex slot \throw fcd::BadInput another number of tags
 template <class MeshType>
-fcd::TagCount CountTags(const MeshType &m, const std::vector<int> &tag, unsigned threads = 0) {
+fcd::TagCount CountTags(const MeshType &m, const std::vector<int> &tag) {
     fcd::ExpectTags(tag, m.vert.size());
     const std::vector<char> deleted = DeletedOf(m);
-    return fcd::CountTags(tag, deleted.empty() ? nullptr : deleted.data(), threads);
+    return fcd::CountTags(tag, deleted.empty() ? nullptr : deleted.data());
 }
 
 } // namespace vcg::tri

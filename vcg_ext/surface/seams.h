@@ -66,9 +66,9 @@ inline Seams FindSeams(const Graph &graph, const std::vector<char> &open, const 
     const auto isBeside = [&](Index u) { return !beside.empty() && beside[u]; };
     const float reach = float(distance) + detail::alongRounding;
     const auto pairs = CollectInOrder<std::pair<Index, Index>>(
-        progress, readingStage, Index(place.size()), [&](Index i, std::vector<std::pair<Index, Index>> &found) {
-            const auto [along, u] = place[std::size_t(i)];
-            for (std::size_t j = std::size_t(i) + 1; j < place.size() && place[j].first - along <= reach; ++j) {
+        progress, readingStage, place.size(), [&](std::size_t i, std::vector<std::pair<Index, Index>> &found) {
+            const auto [along, u] = place[i];
+            for (std::size_t j = i + 1; j < place.size() && place[j].first - along <= reach; ++j) {
                 const Index v = place[j].second;
                 const bool areHeld = !isFree(u) && !isFree(v);
                 if (areHeld && (tag[u] != tag[v] || isBeside(u) || isBeside(v)))

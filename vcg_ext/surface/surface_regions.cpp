@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/lists.h>
 #include <vcg_ext/surface/surface_regions.h>
 
 #include <algorithm>
@@ -16,8 +17,7 @@ void SurfaceRegions::Of(const Graph &graph, Index node, std::vector<Index> &regi
     for (Index v : graph.adjacency[node])
         if (const Index region = regionOf[v]; region >= 0 && (regions.empty() || regions.back() != region))
             regions.push_back(region);
-    std::sort(regions.begin(), regions.end());
-    regions.erase(std::unique(regions.begin(), regions.end()), regions.end());
+    SortUnique(regions);
 }
 
 FreeComponents FindComponents(const SurfaceGraph &surface, const std::vector<Index> &tag, const Progress &progress) {
@@ -28,10 +28,7 @@ FreeComponents FindComponents(const SurfaceGraph &surface, const std::vector<Ind
         adjacency, isFree, [](Index, Index) { return true; }, found.componentOf, progress, readingStage);
     found.isHeld.assign(std::size_t(found.count), 0);
     const std::vector<Index> held =
-        CollectInOrder(progress, readingStage, surface.graph.Size(), [&](Index u, std::vector<Index> &list) {
-            if (!isFree(u))
-                list.push_back(u);
-        });
+        NumbersThat(progress, readingStage, surface.graph.Size(), [&](Index u) { return !isFree(u); });
     DisjointSets joined(found.count + Index(held.size())); // components, then held nodes
     found.connected = found.count + Index(held.size());
     for (std::size_t i = 0; i < held.size(); ++i)
@@ -136,8 +133,7 @@ class RegionTaker {
                 regions.Of(surface.graph, u, of);
                 all.insert(all.end(), of.begin(), of.end());
             }
-        std::sort(all.begin(), all.end());
-        all.erase(std::unique(all.begin(), all.end()), all.end());
+        SortUnique(all);
         return all;
     }
 
@@ -145,21 +141,18 @@ class RegionTaker {
     void ListElements(const Progress &progress) {
         std::vector<Index> regionOf;
         AssignLarge(regionOf, surface.faces.size(), Index(-1));
-        std::vector<std::vector<std::pair<Index, std::uint32_t>>> found((regionOf.size() + grain - 1) / grain);
         const auto addCorners = [&](Index region, const std::uint32_t *corner, int count, auto &list) {
             for (int k = 0; k < count; ++k)
                 if (!IsFreeIn(std::size_t(region), corner[k]))
                     list.emplace_back(region, corner[k]);
         };
-        ParallelFor(progress, readingStage, regionOf.size(), grain, [&](std::size_t first, std::size_t last) {
-            for (std::size_t f = first; f < last; ++f) {
-                const std::uint32_t *corner = mesh.corner + 3 * std::size_t(surface.faces[f]);
-                regionOf[f] = RegionOf(corner, 3);
-                if (regionOf[f] >= 0)
-                    addCorners(regionOf[f], corner, 3, found[first / grain]);
-            }
+        using Brought = std::pair<Index, std::uint32_t>;
+        more = CollectInOrder<Brought>(progress, readingStage, regionOf.size(), [&](Index f, auto &found) {
+            const std::uint32_t *corner = mesh.corner + 3 * std::size_t(surface.faces[f]);
+            regionOf[f] = RegionOf(corner, 3);
+            if (regionOf[f] >= 0)
+                addCorners(regionOf[f], corner, 3, found);
         });
-        more = Together(found);
         for (std::size_t f = 0; f < regionOf.size(); ++f)
             if (regionOf[f] >= 0) {
                 parts[std::size_t(regionOf[f])].faceOf.push_back(surface.faces[f]);
@@ -212,8 +205,7 @@ class RegionTaker {
         for (std::size_t r = 0; r < parts.size(); ++r)
             for (std::size_t i : parts[r].point)
                 more.emplace_back(Index(r), std::uint32_t(i));
-        std::sort(more.begin(), more.end());
-        more.erase(std::unique(more.begin(), more.end()), more.end());
+        SortUnique(more);
         for (std::size_t m = 0, end; m < more.size(); m = end) {
             RegionSource &part = parts[std::size_t(more[m].first)];
             const auto had = std::ptrdiff_t(part.slotOf.size());
