@@ -30,10 +30,9 @@ DeformedCopies copyDeformation(MeshDocument &document, const CopyParam &param, c
     int sides = 0; // CarryingSurface::sidesTold for the present layer
     Eigen::Affine3d matrix = Eigen::Affine3d::Identity();
     if (param.file.isEmpty()) {
-        const Deformation &deformation = deformationOf(param);
-        source = std::make_unique<const CarryingSurface>(*param.source,
-                                                         sourceThen(*param.source, deformation, remark).position);
-        carrier = std::make_unique<vcg::fcd::Carrier>(*deformation.prepared->deformer, deformation.pose);
+        DeformationThen then = deformationOf(param, false, remark);
+        source = std::make_unique<const CarryingSurface>(*param.source, std::move(then.position));
+        carrier = std::make_unique<vcg::fcd::Carrier>(*then.deformation.prepared->deformer, then.deformation.pose);
         displacements = [&](const CarriedVertices &vertices, auto &displacement, auto &linear) {
             std::vector<vcg::fcd::SurfacePlace> places(vertices.slot.size());
             vcg::fcd::NearestPlace::Hint hint;
@@ -103,8 +102,8 @@ SavedDeformation saveDeformation(const SaveDeformationParam &param, const Remark
     const vcg::fcd::Stopwatch watch;
     SavedDeformation saved;
     progress(0, "Reading the source");
-    const Deformation &deformation = deformationOf(param, true);
-    const SourceThen then = sourceThen(*param.source, deformation, remark);
+    const DeformationThen then = deformationOf(param, true, remark);
+    const Deformation &deformation = then.deformation;
     const Eigen::Affine3d &matrix = then.matrix;
     Eigen::Matrix3Xd rest = then.position, deformed = rest;
     std::vector<Eigen::Matrix3f> linear;

@@ -72,7 +72,7 @@ static bool hasShape(MeshModel &layer, const Deformation &deformation) {
 /// Whether \p layer is the very one that was deformed, with the same mesh, wherever its vertices are now.
 static bool isMeshOf(const MeshModel &layer, const Deformation &deformation) {
     const CMeshO &mesh = layer.cm;
-    return layer.id() == deformation.source && mesh.vert.size() == deformation.rest.size() &&
+    return layer.id() == deformation.source && mesh.vert.size() == std::size_t(deformation.rest.cols()) &&
            mesh.vn == deformation.vertices && facesOf(mesh) == deformation.corners;
 }
 
@@ -80,16 +80,12 @@ void keepDeformation(const MeshDocument &document, MeshModel &graph, const MeshM
                      const MeshModel &source, const std::shared_ptr<const Prepared> &prepared,
                      const vcg::fcd::Deformer::Pose &pose) {
     const CMeshO &mesh = source.cm;
-    std::vector<Point3m> rest;
-    rest.reserve(mesh.vert.size());
-    for (const CVertexO &vertex : mesh.vert)
-        rest.push_back(vertex.cP());
     LayerState::made(document, graph).deformation = std::make_shared<const Deformation>(
-        Deformation{prepared, pose, std::move(rest), invertibleMatrixOf(source), shapeOf(mesh), facesOf(mesh), mesh.vn,
-                    mesh.fn, source.id(), restGraph.id()});
+        Deformation{prepared, pose, positionsOf(source), invertibleMatrixOf(source), shapeOf(mesh), facesOf(mesh),
+                    mesh.vn, mesh.fn, source.id(), restGraph.id()});
 }
 
-const Deformation &deformationOf(const DeformationLayers &layers, bool evenIfMoved) {
+DeformationThen deformationOf(const DeformationLayers &layers, bool evenIfMoved, const Remark &remark) {
     const auto [source, restGraph, deformedGraph] = layers;
     if (!source || !restGraph || !deformedGraph)
         throw Error(
@@ -101,7 +97,7 @@ const Deformation &deformationOf(const DeformationLayers &layers, bool evenIfMov
                     "(generate_fcd_deformed_mesh) made in this session, with 'Add graph layers': layers that "
                     "are saved and loaded lose it. Deform the source again; to keep a deformation, use 'FCD: Save "
                     "Deformation' (save_fcd_deformation), and give its deformation_file.");
-    const Deformation &deformation = *found; // the document owns it
+    const Deformation &deformation = *found;
     const bool isThere = source->cm.fn == deformation.faces && hasShape(*source, deformation),
                isElsewhere = !isThere && isMeshOf(*source, deformation);
     if (!isThere && !(isElsewhere && evenIfMoved))
@@ -111,21 +107,15 @@ const Deformation &deformationOf(const DeformationLayers &layers, bool evenIfMov
                     (isElsewhere ? " It was only moved: 'FCD: Save Deformation' (save_fcd_deformation) still saves the "
                                    "deformation as it was; give that deformation_file."
                                  : ""));
-    const Eigen::Affine3d matrix = isThere ? invertibleMatrixOf(*source) : deformation.matrix;
-    if (restGraph == source || !HasNodes(*deformation.prepared->deformer, positionsIn(matrix, *restGraph)))
+    DeformationThen then{deformation, positionsOf(*source), isThere ? invertibleMatrixOf(*source) : deformation.matrix};
+    if (restGraph == source || !HasNodes(*deformation.prepared->deformer, positionsIn(then.matrix, *restGraph)))
         throw Error("The layer " + inQuotes(*restGraph) + " is not the graph at rest of " + inQuotes(*deformedGraph) +
                     ". Choose the graph that was made together with it.");
-    return deformation;
-}
-
-SourceThen sourceThen(MeshModel &source, const Deformation &deformation, const Remark &remark) {
-    const bool isThere = hasShape(source, deformation);
     if (!isThere && remark)
-        remark("Something else has moved " + inQuotes(source) +
+        remark("Something else has moved " + inQuotes(*source) +
                " since it was deformed. The deformation is that of its shape and place then.");
-    SourceThen then{positionsOf(source), isThere ? invertibleMatrixOf(source) : deformation.matrix};
-    for (std::size_t i = 0; i < std::min(source.cm.vert.size(), deformation.rest.size()); ++i)
-        then.position.col(Eigen::Index(i)) = toVector(deformation.rest[i]);
+    const Eigen::Index known = std::min(then.position.cols(), deformation.rest.cols());
+    then.position.leftCols(known) = deformation.rest.leftCols(known);
     return then;
 }
 

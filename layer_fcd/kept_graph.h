@@ -28,19 +28,20 @@ void handDownGraph(const MeshDocument &document, const LayerState &state);
 struct Deformation {
     std::shared_ptr<const Prepared> prepared;
     vcg::fcd::Deformer::Pose pose;
-    std::vector<Point3m> rest; ///< positions of the source when it was deformed, per vertex slot
-    Eigen::Affine3d matrix;    ///< of the source then
-    std::uint64_t shape;       ///< shapeOf the source then
-    std::uint64_t corners;     ///< facesOf the source then
-    int vertices, faces;       ///< numbers of live ones
-    int source;                ///< number of that layer
-    int restGraph;             ///< number of the layer with the graph at rest
+    Eigen::Matrix3Xd rest;  ///< positions of the source when it was deformed, 3 x slots
+    Eigen::Affine3d matrix; ///< of the source then
+    std::uint64_t shape;    ///< shapeOf the source then
+    std::uint64_t corners;  ///< facesOf the source then
+    int vertices, faces;    ///< numbers of live ones
+    int source;             ///< number of that layer
+    int restGraph;          ///< number of the layer with the graph at rest
 };
 
-/// The source of a deformation as it was deformed.
-struct SourceThen {
-    Eigen::Matrix3Xd position; ///< 3 x slots
-    Eigen::Affine3d matrix;
+/// A deformation, and its source as it was then or, if it has that shape, where it is now.
+struct DeformationThen {
+    const Deformation &deformation; ///< the document owns it
+    Eigen::Matrix3Xd position;      ///< of the source, 3 x slots
+    Eigen::Affine3d matrix;         ///< of the source
 };
 
 /// Lets the layer \p graph keep the deformation of \p source.
@@ -48,13 +49,9 @@ void keepDeformation(const MeshDocument &document, MeshModel &graph, const MeshM
                      const MeshModel &source, const std::shared_ptr<const Prepared> &prepared,
                      const vcg::fcd::Deformer::Pose &pose);
 
-/// The deformation of layers.source. \param evenIfMoved also takes it if its source is elsewhere since
-/// \throw vcg::fcd::Error the layers are not those of one deformation
-const Deformation &deformationOf(const DeformationLayers &layers, bool evenIfMoved = false);
-
-/// The source of a deformation as it was then, or, if it has that shape, where it is now. \param remark is told if
-/// something has moved it since \param deformation as in deformationOf
-SourceThen sourceThen(MeshModel &source, const Deformation &deformation, const Remark &remark);
+/// The deformation of layers.source. \param evenIfMoved also takes it if something has moved its source since; \p
+/// remark is then told \throw vcg::fcd::Error the layers are not those of one deformation
+DeformationThen deformationOf(const DeformationLayers &layers, bool evenIfMoved, const Remark &remark);
 
 /// The layers of the last deformation that is kept and has all of its layers.
 DeformationLayers lastDeformation(const MeshDocument &document);
