@@ -13,6 +13,7 @@ import pymeshlab
 import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "examples"))
+sys.path.append(str(Path(__file__).parent / "python"))  # what the tests of the package share
 
 SAMPLES = Path(pymeshlab.__file__).parent / "tests" / "sample_meshes"
 SHARED = Path(__file__).resolve().parents[2] / "shared"

@@ -9,6 +9,7 @@ import pytest
 from conftest import transformed
 from host_pymeshlab import (COPY, DEFORM, DEFORM_DEFAULTS, SURFACE_RETURNS, assert_unchanged, check_returned, new_set, point_file,
                             same_points, set_quality, snapshot)
+from lumpy_tube import DIAGONAL, LENGTH, bent, rms, round_tube, tube
 
 FIT, SAVE = "generate_fcd_fitted_mesh", "save_fcd_deformation"
 HANDLES = ["handles", "tag_attribute", "tag_file", "transform_file", "transforms", "point_handles_file", "translation", "rotation_axis",
@@ -22,29 +23,9 @@ FIT_RETURNS = {
     "median": float, "percentile_95": float, "matched": float, "counted": float, "moved": float, "moved_most": float, "guessed": float, "guess_error": float, "check_rms": float, "check_largest": float,
     "leave_one_out_rms": float, "leave_one_out_largest": float, "carried_parts": int, "folded_triangles": int, "contact_triangles": int, "contact_depth": float, "landmarks": int, "landmark_residual": float, "landmark_pull": float,
     "curves": int, "curve_residual": float, "landmarks_contradicted": int, "target_not_finite": int, "from_afar": bool, "both_ways": bool, "inside_out": bool, "nodes": int, "steps": int, "converged": bool, "seconds": float}
-LENGTH = 4.0
-DIAGONAL = np.sqrt(2 + LENGTH ** 2)
+FINE = (120, 60)  # rings of the tube, and vertices of each
 PLACED = np.array([[0, -2, 0, 7.0], [2, 0, 0, -5.0], [0, 0, 2, 3.0], [0, 0, 0, 1.0]])  # turned, twice as large, and away
 OWN = np.array([[0.8, 0, 0.6, 0.1], [0, 1, 0, 0.2], [-0.6, 0, 0.8, 0.3], [0, 0, 0, 1.0]])
-
-
-def tube(rings=120, around=60, end=LENGTH, shift=0.0):
-    """A tube with bumps that tell each place of it from the others: (points, faces)."""
-    angle = 2 * np.pi * (np.arange(around) + shift) / around
-    z, a = [grid.ravel() for grid in np.meshgrid(np.linspace(0, end, rings), angle, indexing="ij")]
-    radius = 0.4 + 0.05 * np.cos(3 * a + 2 * z) + 0.06 * np.sin(2.5 * z) * np.cos(a)
-    here = np.arange(around)
-    beside = np.roll(here, -1)
-    faces = [face for r in range(rings - 1) for face in (
-        np.stack([here, beside, here + around], 1) + r * around, np.stack([beside, beside + around, here + around], 1) + r * around)]
-    return np.stack([radius * np.cos(a), radius * np.sin(a), z], 1), np.concatenate(faces).astype(np.int32)
-
-
-def bent(points, degrees=15.0):
-    """Along an arc, of so many degrees from end to end; the lower end stays."""
-    radius = LENGTH / np.radians(degrees)
-    turn = points[:, 2] / radius
-    return np.stack([radius - (radius - points[:, 0]) * np.cos(turn), points[:, 1], (radius - points[:, 0]) * np.sin(turn)], 1)
 
 
 def mesh_of(points, faces, **more):
@@ -53,16 +34,11 @@ def mesh_of(points, faces, **more):
 
 def pair(source=None, target=None, degrees=15.0):
     """The tube, current, and a copy of it with other vertices that is bent: (set, where the tube's vertices belong)."""
-    source, target = source or tube(), target or tube(97, 53, shift=0.5)
+    source, target = source or tube(*FINE), target or tube(97, 53, shift=0.5)
     ms = new_set()
     ms.add_mesh(mesh_of(bent(target[0], degrees), target[1]), "target")
     ms.add_mesh(mesh_of(*source), "tube")
     return ms, bent(source[0], degrees)
-
-
-def rms(a, b):
-    """In percent of the diagonal."""
-    return 100 * np.sqrt(((a - b) ** 2).sum(1).mean()) / DIAGONAL
 
 
 FEW = {"samples": 600, "graph_layers": False}  # where the fit itself is not what is asked for
@@ -124,12 +100,12 @@ def test_what_counts_is_told_by_quality_selection_or_attribute(capfd):
     points, faces = tube(97, 53, shift=0.5)
     far = np.vstack([points, points[:53] + [0, 0, 0.2]])  # loose points beside it, which do not count
     counts = np.arange(len(far)) < len(points)
-    carried = tube()[0][:, 2] > 3
+    carried = tube(*FINE)[0][:, 2] > 3
 
     def weighed(source, **parameters):
         ms = new_set()
         ms.add_mesh(mesh_of(bent(far), None, v_scalar_array=counts.astype(float)), "target")
-        ms.add_mesh(mesh_of(*tube(), v_scalar_array=np.where(carried, 0.0, 1.0)), "tube")
+        ms.add_mesh(mesh_of(*tube(*FINE), v_scalar_array=np.where(carried, 0.0, 1.0)), "tube")
         for layer in (0, 1):
             ms.set_current_mesh(layer)
             ms.apply_filter("compute_selection_by_condition_per_vertex", condselect="q > 0.5")
@@ -178,7 +154,7 @@ def test_a_fit_is_judged_by_what_it_does_not_see(capfd, tmp_path):
 def test_what_is_guessed_is_told(capfd):
     ms, truth = pair(target=tube(50, 53, end=LENGTH / 2), degrees=60)
     result, log = fit_logged(ms, capfd)
-    off = np.linalg.norm(ms.current_mesh().vertex_matrix() - truth, axis=1)[tube()[0][:, 2] > LENGTH / 2]
+    off = np.linalg.norm(ms.current_mesh().vertex_matrix() - truth, axis=1)[tube(*FINE)[0][:, 2] > LENGTH / 2]
     assert abs(result["guessed"] - 0.5) < 0.05 and 0.5 < result["guess_error"] / np.sqrt((off ** 2).mean()) < 2
     assert "percent have no counterpart; their place is a guess that may be off by about" in log and "give landmarks there, or do not trust them" in log
     ms, _ = pair()
@@ -187,7 +163,7 @@ def test_what_is_guessed_is_told(capfd):
 
 
 def test_a_separate_part_without_a_counterpart_is_carried(capfd):
-    points, faces = tube()
+    points, faces = tube(*FINE)
     ball = new_set()
     ball.create_sphere(radius=0.3, subdiv=3)
     eye, corners = ball.current_mesh().vertex_matrix() + [0.1, 0, 3], ball.current_mesh().face_matrix()
@@ -227,11 +203,7 @@ TURN = np.array([[np.cos(0.35), -np.sin(0.35), 0], [np.sin(0.35), np.cos(0.35), 
 
 def round_tubes():
     """Round ones, which slide about their axis; the target, layer 0, is turned: (set, where the tube's vertices belong)."""
-    def made(*how):
-        points, faces = tube(*how)
-        return points * np.stack([0.4 / np.hypot(points[:, 0], points[:, 1])] * 2 + [np.ones(len(points))], 1), faces
-
-    (points, faces), (target, target_faces) = made(), made(97, 53)
+    (points, faces), (target, target_faces) = round_tube(*FINE), round_tube(97, 53)
     ms = new_set()
     ms.add_mesh(mesh_of(target @ TURN.T, target_faces), "target")
     ms.add_mesh(mesh_of(points, faces), "tube")
@@ -366,7 +338,7 @@ def test_landmarks_lead_where_the_shape_alone_does_not(tmp_path, kind):
 
     points, faces = tube(97, 53, shift=0.5)
     ms, _ = pair(target=(turned(points), faces))
-    source = tube()[0]
+    source = tube(*FINE)[0]
     truth = bent(turned(source))
     far = rms(fit(ms, graph_layers=False)[1], truth)
     chosen = np.arange(5, len(truth), len(truth) // 12)
@@ -385,7 +357,7 @@ def stretches(before, after, faces):
 
 def test_what_has_no_counterpart_is_carried_along():
     ms, truth = pair(target=tube(60, 53, end=0.6 * LENGTH, shift=0.5))
-    before, faces = tube()
+    before, faces = tube(*FINE)
     result, points = fit(ms, fit_quality=2)
     assert 0.4 < result["matched"] < 0.75
     rest, now = stretches(before, points, faces)
@@ -411,7 +383,7 @@ def test_the_distance_as_quality():
 
 @pytest.mark.parametrize("kind", ["target", "target with normals", "source", "both"])
 def test_clouds(kind):
-    source, target = tube(), tube(160, 80, shift=0.5)
+    source, target = tube(*FINE), tube(160, 80, shift=0.5)
     ms, truth = pair((source[0], None) if kind in ("source", "both") else source, target if kind == "source" else (target[0], None))
     if kind == "target with normals":
         ms.set_current_mesh(0)
@@ -444,7 +416,7 @@ def test_matrices_of_the_layers_count():
     target, faces = tube(97, 53, shift=0.5)
     # The same pair in a world that is turned and twice as large: one by its matrix, the other by its coordinates.
     ms.add_mesh(mesh_of(transformed(matrix, bent(target)), faces), "target")
-    ms.add_mesh(mesh_of(*tube()), "tube")
+    ms.add_mesh(mesh_of(*tube(*FINE)), "tube")
     ms.apply_filter("set_matrix", transformmatrix=matrix, freeze=False)
     result, placed = fit(ms, graph_layers=False, fit_quality=1)
     assert rms(placed, points) < 0.2 and rms(placed, truth) < 0.5
@@ -458,7 +430,7 @@ def test_the_layer_with_the_graph_does_the_same_to_a_decimated_copy(tmp_path):
     before, faces = tube(61, 30)
     ms.add_mesh(mesh_of(before, faces), "coarse")
     ms.apply_filter(COPY, source_layer=1, rest_graph=2, deformed_graph=3)
-    fine = tube()[0].reshape(120, 60, 3)
+    fine = tube(*FINE)[0].reshape(120, 60, 3)
     coarse = ms.current_mesh().vertex_matrix().reshape(61, 30, 3)
     assert np.abs(fine[0, ::2] - before[:30]).max() < 1e-12
     fitted = points.reshape(120, 60, 3)
@@ -467,7 +439,7 @@ def test_the_layer_with_the_graph_does_the_same_to_a_decimated_copy(tmp_path):
     # As the saved deformation does.
     file = str(tmp_path / "fit.ply")
     ms.apply_filter(SAVE, source_layer=1, rest_graph=2, deformed_graph=3, deformation_file=file)
-    ms.add_mesh(mesh_of(*tube()), "again")
+    ms.add_mesh(mesh_of(*tube(*FINE)), "again")
     ms.apply_filter(COPY, deformation_file=file)
     assert rms(ms.current_mesh().vertex_matrix(), points) < 0.05
 
@@ -509,10 +481,10 @@ def test_landmarks_alone(tmp_path):
 @pytest.mark.parametrize("start, scale", [("Rigid, from landmarks", 1), ("Rigid and scaled, from landmarks", 1.3), ("Axes tried out", 1)])
 def test_a_layer_that_lies_elsewhere(tmp_path, start, scale):
     ms, truth = pair()
-    source = tube()[0]
+    source = tube(*FINE)[0]
     away = scale * source @ np.array([[0, 0, 1], [0, -1, 0], [1, 0, 0]]) + [3, -4, 5]
     ms.set_current_mesh(1)
-    ms.add_mesh(pymeshlab.Mesh(away, tube()[1]), "away")
+    ms.add_mesh(pymeshlab.Mesh(away, tube(*FINE)[1]), "away")
     parameters = {}
     if "landmarks" in start:
         chosen = np.arange(5, len(truth), len(truth) // 6)

@@ -5,7 +5,6 @@ import os
 import re
 import shutil
 import subprocess
-import sys
 import xml.etree.ElementTree
 from pathlib import Path
 
@@ -14,9 +13,7 @@ import pymeshlab
 import pytest
 
 from conftest import LARGE_SCANS, MESHES, SAMPLES, about, check_faults, record, rotation, transformed, translation, unpacked, write_tags, write_transforms
-
-sys.path.append(str(Path(__file__).parent / "python"))
-from glb import JPEG, Glb  # noqa: E402
+from glb import JPEG, Glb
 
 SERVER = os.environ["FCD_MESHLABSERVER"]
 PLUGINS = Path(__file__).resolve().parents[1] / "build" / "plugins"

@@ -2,18 +2,15 @@
 """Pose sequences of a layer, inside pymeshlab. FCD_PLUGIN names the libfilter_fcd.so of this pymeshlab."""
 import io
 import struct
-import sys
-from pathlib import Path
 
 import numpy as np
 import pymeshlab
 import pytest
 
+from glb import Glb, png
 from host_pymeshlab import COPY, DEFORM, POSE, allocated, assert_unchanged, check_returned, matrix, new_set, same_points, sheet, snapshot
-from host_straighten import DIAGONAL, LENGTH, tube
-
-sys.path.append(str(Path(__file__).parent / "python"))
-from glb import Glb, png  # noqa: E402
+from host_straighten import DIAGONAL
+from straight_tube import LENGTH, tube
 
 SEQUENCE = "generate_fcd_pose_sequence"
 DEFAULTS = {

@@ -5,6 +5,7 @@ import pymeshlab
 import pytest
 
 from host_pymeshlab import COPY, SURFACE_RETURNS, assert_unchanged, check_returned, new_set, same_points, snapshot
+from straight_tube import LENGTH, RADIUS, bent, tube
 
 STRAIGHTEN, SAVE = "generate_fcd_straightened_mesh", "save_fcd_deformation"
 DEFAULTS = {
@@ -14,25 +15,7 @@ DEFAULTS = {
 RETURNS = {
     **SURFACE_RETURNS, "length": float, "new_length": float, "jitter": float, "middle_left": bool, "lengthening": float, "twist": float, "following_nodes": int, "released_nodes": int, "rms": float,
     "largest": float, "folded_triangles": int, "contact_triangles": int, "contact_depth": float, "nodes": int, "converged": bool, "seconds": float}
-LENGTH, RADIUS = 10.0, 0.6
 DIAGONAL = np.sqrt(LENGTH ** 2 + 8 * RADIUS ** 2)
-
-
-def tube(rings=101, around=24):
-    """Along x: (points, faces)."""
-    x, a = [grid.ravel() for grid in np.meshgrid(np.linspace(0, LENGTH, rings), 2 * np.pi * np.arange(around) / around, indexing="ij")]
-    here = np.arange(around)
-    beside = np.roll(here, -1)
-    faces = [face for r in range(rings - 1) for face in (
-        np.stack([here, here + around, beside], 1) + r * around, np.stack([beside, here + around, beside + around], 1) + r * around)]
-    return np.stack([x, RADIUS * np.cos(a), RADIUS * np.sin(a)], 1), np.concatenate(faces).astype(np.int32)
-
-
-def bent(points, degrees=120.0):
-    """Along an arc in the plane of x and y."""
-    radius = LENGTH / np.radians(degrees)
-    turn = points[:, 0] / radius
-    return np.stack([(radius - points[:, 1]) * np.sin(turn), radius - (radius - points[:, 1]) * np.cos(turn), points[:, 2]], 1)
 
 
 def axis(count=9, off=(0, 0)):

@@ -10,38 +10,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from lumpy_tube import DIAGONAL, LENGTH, bent, rms, round_tube, tube
 from shapes import same, with_filters
 
 import pymeshlab_fcd
 from pymeshlab_fcd import Curve, Deformation, DeformationWarning, FitInfo, Fitted, Fitter, Motion, Pose, fit, read_curves
-
-LENGTH = 4.0
-DIAGONAL = np.sqrt(2 + LENGTH ** 2)
-
-
-def tube(rings=60, around=30, end=LENGTH, shift=0.0):
-    """A tube with bumps that tell each place of it from the others: (vertices, faces)."""
-    angle = 2 * np.pi * (np.arange(around) + shift) / around
-    z, a = [grid.ravel() for grid in np.meshgrid(np.linspace(0, end, rings), angle, indexing="ij")]
-    radius = 0.4 + 0.05 * np.cos(3 * a + 2 * z) + 0.06 * np.sin(2.5 * z) * np.cos(a)
-    here = np.arange(around)
-    beside = np.roll(here, -1)
-    faces = [face for r in range(rings - 1) for face in (
-        np.stack([here, beside, here + around], 1) + r * around, np.stack([beside, beside + around, here + around], 1) + r * around)]
-    return np.stack([radius * np.cos(a), radius * np.sin(a), z], 1), np.concatenate(faces)
-
-
-def bent(points, degrees=15.0):
-    """Along an arc, of so many degrees from end to end; the lower end stays."""
-    radius = LENGTH / np.radians(degrees)
-    turn = points[:, 2] / radius
-    return np.stack([radius - (radius - points[:, 0]) * np.cos(turn), points[:, 1], (radius - points[:, 0]) * np.sin(turn)], 1)
-
-
-def rms(a, b):
-    """In percent of the diagonal."""
-    return 100 * np.sqrt(((a - b) ** 2).sum(1).mean()) / DIAGONAL
-
 
 VERTICES, FACES = tube()
 TRUTH = bent(VERTICES)
@@ -130,10 +103,6 @@ def test_more_landmarks_than_nodes_fling_nothing_away():
 
 def test_curves_lead_what_slides():
     """A round tube slides about its axis; a line along it tells how far, wherever the vertices are along that."""
-    def round_tube(*how):
-        points, faces = tube(*how)
-        return points * np.stack([0.4 / np.hypot(points[:, 0], points[:, 1])] * 2 + [np.ones(len(points))], 1), faces
-
     turn = np.array([[np.cos(0.35), -np.sin(0.35), 0], [np.sin(0.35), np.cos(0.35), 0], [0, 0, 1]])
     points, faces = round_tube()
     target, target_faces = round_tube(49, 27)
