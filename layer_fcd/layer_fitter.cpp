@@ -108,23 +108,21 @@ FittedSurface LayerFit::solve(bool measured, const Progress &progress) && {
     std::shared_ptr<const vcg::fcd::FitTarget> target;
     const double first = param.leaveOneOut ? 0.55 : 0.8; // share of the fit; the rest are those without one landmark
     if (param.landmarksOnly) {
-        result.pose = fitter->Follow(landmarks, fitted.report, progress.Slice(0.4, first));
-        if (param.leaveOneOut)
-            fitted.leftOut = fitter->LeaveOneOut(landmarks, progress.Slice(first, 0.8));
+        target = fitter->TargetOf(landmarks);
     } else {
         if (!curves.empty()) {
             fitted.curves = fitter->LeadAlong(curves, name, progress.Slice(0.4, 0.42));
             goal.curves = fitted.curves.curve;
         }
         target = fitter->Prepare(goal, progress.Slice(0.42, 0.5));
-        result.pose = fitter->Solve(*target, landmarks, fitted.report, progress.Slice(0.5, first));
-        if (param.leaveOneOut)
-            fitted.leftOut = fitter->LeaveOneOut(*target, landmarks, progress.Slice(first, 0.8));
     }
+    result.pose = fitter->Solve(*target, landmarks, fitted.report, progress.Slice(0.5, first));
+    if (param.leaveOneOut)
+        fitted.leftOut = fitter->LeaveOneOut(*target, landmarks, progress.Slice(first, 0.8));
     if (!param.landmarksOnly && fitted.report.matched == 0)
         throw Error("Nothing of " + name + " has a counterpart on " + targetName +
                     ". Move the layers onto each other first, or raise largest_distance or largest_angle.");
-    if (!measured)
+    if (!measured || param.landmarksOnly)
         target = nullptr; // frees as much memory as the rest needs
     result.converged = fitted.report.converged;
     result.position = view.Copy();

@@ -155,18 +155,13 @@ nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows 
     const vcg::fcd::Stopwatch watch;
     Listener::Run(report, prepared->threads, [&](const Progress &progress) {
         const std::vector<Landmark> landmarks = landmarksOf(points, places);
-        const Progress rest = progress.Slice(leaveOneOut ? 0.4 : 1, 1); // for the fits without one landmark
-        if (isAlone) {
-            pose = fitter->Follow(landmarks, found, progress.Slice(0, leaveOneOut ? 0.4 : 1));
-            if (leaveOneOut)
-                leftOut = fitter->LeaveOneOut(landmarks, rest);
-            return;
-        }
-        goal.surface.Validate(progress.Slice(0, 0.02));
-        const auto target = fitter->Prepare(goal, progress.Slice(0.02, 0.3));
-        pose = fitter->Solve(*target, landmarks, found, progress.Slice(0.3, leaveOneOut ? 0.4 : 1));
+        if (!isAlone)
+            goal.surface.Validate(progress.Slice(0, 0.02));
+        const auto target = isAlone ? fitter->TargetOf(landmarks) : fitter->Prepare(goal, progress.Slice(0.02, 0.3));
+        const double first = leaveOneOut ? 0.4 : 1; // the rest is for the fits without one landmark
+        pose = fitter->Solve(*target, landmarks, found, progress.Slice(0.3, first));
         if (leaveOneOut)
-            leftOut = fitter->LeaveOneOut(*target, landmarks, rest);
+            leftOut = fitter->LeaveOneOut(*target, landmarks, progress.Slice(first, 1));
     });
     pose.iterations = found.steps;
     nb::dict all;

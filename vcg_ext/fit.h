@@ -164,6 +164,10 @@ class Fitter {
     /// larger or 1e8 times smaller than the surface; a curve lies elsewhere \throw Cancelled
     std::shared_ptr<const FitTarget> Prepare(const FitGoal &goal, const Progress &progress = {}) const;
 
+    /// A target for poses that follow landmarks only, as rigidly as possible: the landmarks' targets.
+    /// \pre made with FitParam::LandmarksAlone
+    std::shared_ptr<const FitTarget> TargetOf(const std::vector<Landmark> &landmark) const;
+
     /// Finds the vertices along polylines: those nearest to the corners and to points between them, at most a mean edge
     /// length apart. If a vertex is nearest to several points, the nearest point counts. Only free vertices are listed.
     /// \param line one or more corners each, world units \return for each line, up to the first one that lies elsewhere
@@ -187,17 +191,9 @@ class Fitter {
     std::vector<double> LeaveOneOut(const FitTarget &target, const std::vector<Landmark> &landmark,
                                     const Progress &progress = {}) const;
 
-    /// The same for landmarks without a target surface. \pre, \throw as Follow
-    std::vector<double> LeaveOneOut(const std::vector<Landmark> &landmark, const Progress &progress = {}) const;
-
     /// Distances of landmarks from their targets in a pose, world units, for landmarks that were not given to the fit.
     /// \param position 3 x vertex slots, mesh units: of the pose \throw BadInput no vertex, or a target not finite
     std::vector<double> Residuals(const std::vector<Landmark> &pair, const PositionsRef &position) const;
-
-    /// The pose that follows landmarks only, as rigidly as possible.
-    /// \pre made with FitParam::LandmarksAlone \throw as Solve
-    Deformer::Pose Follow(const std::vector<Landmark> &landmark, FitReport &report,
-                          const Progress &progress = {}) const;
 
     /// The distance of each vertex slot from the target, world units, and whether it lies on it by \p report of the
     /// fit; 0 and false for deleted ones. Vertices of weight 0, and those of carried parts, never lie on it. \param
@@ -229,7 +225,6 @@ class Fitter {
                                       FitSamples &samples) const;
     void MeasureGuess(const FitMatches &matches, const FitSamples &drawn, const std::vector<char> &isFree,
                       const std::vector<char> &leads, const GraphPose &graph, FitReport &report) const;
-    FitTarget NoTarget(const std::vector<Landmark> &landmark) const;
     bool IsOn(const FitMatches &matches, std::size_t sample, const FitReport &report) const;
     void Judge(const FitTarget &target, const FitPlacement &placement, bool isLed, FitReport &report) const;
     std::vector<Contradiction> Doubted(const FitSamples &drawn, std::size_t first,

@@ -134,26 +134,16 @@ std::vector<Eigen::Vector3d> Fitter::Lead(const std::vector<Landmark> &landmark,
     return place;
 }
 
-/// A target of the landmarks' targets, for fits that match nothing.
-FitTarget Fitter::NoTarget(const std::vector<Landmark> &landmark) const {
+std::shared_ptr<const FitTarget> Fitter::TargetOf(const std::vector<Landmark> &landmark) const {
     std::vector<double> place;
     for (const Landmark &each : landmark)
         place.insert(place.end(), each.target.data(), each.target.data() + 3);
-    FitGoal goal;
-    goal.surface.position = place.data();
-    goal.surface.vertexSlots = landmark.size();
-    goal.surface.isCloud = true;
-    goal.normal = [](std::size_t) { return Eigen::Vector3d(0, 0, 1); };
-    return FitTarget(goal.surface, goal.normal, ToFrame(goal.world));
-}
-
-Deformer::Pose Fitter::Follow(const std::vector<Landmark> &landmark, FitReport &report,
-                              const Progress &progress) const {
-    return Solve(NoTarget(landmark), landmark, report, progress);
-}
-
-std::vector<double> Fitter::LeaveOneOut(const std::vector<Landmark> &landmark, const Progress &progress) const {
-    return LeaveOneOut(NoTarget(landmark), landmark, progress);
+    SurfaceView points;
+    points.position = place.data();
+    points.vertexSlots = landmark.size();
+    points.isCloud = true;
+    const NormalOf up = [](std::size_t) { return Eigen::Vector3d(0, 0, 1); };
+    return std::make_shared<FitTarget>(points, up, ToFrame(Eigen::Affine3d::Identity()));
 }
 
 std::vector<double> Fitter::LeaveOneOut(const FitTarget &target, const std::vector<Landmark> &landmark,

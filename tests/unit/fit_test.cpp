@@ -1263,7 +1263,8 @@ TEST(Fit, ManyLandmarksAreMetAsNearlyAsTheGraphCan) {
         handles.tag.assign(source.position.size(), 1);
         const Fitter fitter(arrays.View(), {}, handles, param);
         Fitted fitted{arrays.View().Copy(), {}};
-        Carrier(fitter.Surface(), fitter.Follow(landmark, fitted.report)).Apply(fitted.position);
+        Carrier(fitter.Surface(), fitter.Solve(*fitter.TargetOf(landmark), landmark, fitted.report))
+            .Apply(fitted.position);
         return fitted;
     };
     const std::vector<Landmark> dense = PairsOf(source, 500);
@@ -1538,7 +1539,7 @@ TEST(Fit, WithoutRigidityWhatIsShearedAllOverIsFound) {
         param.fitRigidity = rigidity;
         const Fitter fitter(arrays.View(), {}, handles, param);
         Fitted fitted;
-        const Deformer::Pose pose = fitter.Follow(landmark, fitted.report);
+        const Deformer::Pose pose = fitter.Solve(*fitter.TargetOf(landmark), landmark, fitted.report);
         fitted.position = arrays.View().Copy();
         Carrier(fitter.Surface(), pose).Apply(fitted.position);
         EXPECT_TRUE(fitted.report.converged) << rigidity;

@@ -212,7 +212,7 @@ void FitSession::follow(bool full) {
         return;
     }
     vcg::fcd::FitReport report;
-    const vcg::fcd::Deformer::Pose pose = followFitter->Follow(given, report);
+    const vcg::fcd::Deformer::Pose pose = followFitter->Solve(*followFitter->TargetOf(given), given, report);
     rest.leave();
     shownPull.reset();
     writeMoving(layer.cm, rest.positions().data(), rest.normals().data(), *preparedOf(followFitter, {}), pose);
