@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <vcg_ext/base/rotation_fit.h>
 #include <vcg_ext/graph/border_weights.h>
+#include <vcg_ext/graph/common_motion.h>
 #include <vcg_ext/graph/held_nodes.h>
 
 #include <algorithm>
@@ -56,26 +56,7 @@ void ExpectNear(const Frame &frame, const Eigen::Matrix4d &motion, const std::st
 void TurnTogether(const DeformationGraph &graph, const std::vector<Index> &tag, const Patches &patches,
                   NodeConstraints &given) {
     std::vector<Eigen::Affine3d> &motion = given.motion;
-    Eigen::Vector3d before = Eigen::Vector3d::Zero(), after = before;
-    double count = 0;
-    auto forConstrained = [&](const auto &body) {
-        for (Index j = 0; j < graph.Size(); ++j)
-            if (given.constrained[j]) {
-                const Eigen::Vector3d x = graph.graph.position.col(j).cast<double>();
-                body(x, Eigen::Vector3d(motion[j] * x));
-            }
-    };
-    forConstrained([&](const Eigen::Vector3d &x, const Eigen::Vector3d &y) {
-        before += x;
-        after += y;
-        ++count;
-    });
-    Eigen::Matrix3d s = Eigen::Matrix3d::Zero();
-    forConstrained([&](const Eigen::Vector3d &x, const Eigen::Vector3d &y) {
-        s += (x - before / count) * (y - after / count).transpose();
-    });
-    // Where few points leave the rotation open, no rotation is preferred.
-    const Eigen::Matrix3d rotation = FitRotation(s + 1e-3 * s.norm() * Eigen::Matrix3d::Identity());
+    const Eigen::Matrix3d rotation = CommonMotion(graph, given.constrained, motion).Rotation();
     for (Index j = 0; j < graph.Size(); ++j)
         if (given.compliant[j] && HeldNodes::IsSingle(tag[patches.center[j]])) {
             const Eigen::Vector3d x = graph.graph.position.col(j).cast<double>(), y = motion[j] * x;

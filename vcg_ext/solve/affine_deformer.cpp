@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/base/elementary.h>
+#include <vcg_ext/graph/common_motion.h>
 #include <vcg_ext/solve/affine_deformer.h>
 #include <vcg_ext/solve/anderson.h>
-#include <vcg_ext/solve/common_motion.h>
 #include <vcg_ext/solve/initial_guess.h>
 
 #include <algorithm>
@@ -219,7 +219,7 @@ GraphPose AffineDeformer::Solve(const std::vector<Eigen::Affine3d> &motion, cons
                                 const std::vector<Eigen::Affine3d> &lastMotion) const {
     const Index k = graph.Size();
     GraphPose pose;
-    const Eigen::Affine3d common = detail::CommonMotion(graph, unknown, motion);
+    const Eigen::Affine3d common = detail::CommonMotion(graph, unknown.constrained, motion).Affine();
     const State base = Base(motion, common);
     State state = base;
     const PoseTerms poseTerms(energy, motion, base, smooth);
