@@ -150,17 +150,7 @@ std::vector<Eigen::Vector3d> NormalsAtNodes(const SurfaceView &mesh, const Norma
                 sum[std::size_t(number[u])] = turn * normal(i);
     }
     std::vector<Corners> triangle;
-    const Progress reading = progress.Slice(0, 0.2);
-    for (std::size_t f = 0; f < mesh.faces; ++f) {
-        reading.Round(f, mesh.faces, readingStage);
-        if (!mesh.IsFace(f))
-            continue;
-        Corners c;
-        for (std::size_t k = 0; k < 3; ++k)
-            c[k] = deformer.nodeOf[mesh.corner[3 * f + k]];
-        if (std::min({c[0], c[1], c[2]}) >= 0 && c[0] != c[1] && c[1] != c[2] && c[2] != c[0])
-            triangle.push_back(c);
-    }
+    ForTriangles(mesh, deformer.nodeOf, progress.Slice(0, 0.2), [&](const Corners &c) { triangle.push_back(c); });
     const Eigen::Matrix3Xd position = surface.graph.position.cast<double>();
     MakeOneSided(position, triangle, progress.Slice(0.2, 0.9));
     for (const Corners &c : triangle) {

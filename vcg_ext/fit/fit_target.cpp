@@ -138,20 +138,11 @@ std::vector<Corners> FitTarget::ReadTriangles(const SurfaceView &target, const E
         }
     std::vector<Corners> triangle;
     triangle.reserve(target.faces);
-    const Progress reading = progress.Slice(0.5, 0.55);
-    for (std::size_t f = 0; f < target.faces; ++f) {
-        reading.Round(f, target.faces, readingStage);
-        if (!target.IsFace(f))
-            continue;
-        Corners c;
-        for (std::size_t k = 0; k < 3; ++k)
-            c[k] = nodeOf[target.corner[3 * f + k]];
-        if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0] || std::min({c[0], c[1], c[2]}) < 0)
-            continue;
+    ForTriangles(target, nodeOf, progress.Slice(0.5, 0.55), [&](const Corners &c) {
         const Eigen::Vector3d p = position.col(c[0]), one = position.col(c[1]) - p, other = position.col(c[2]) - p;
         if (one.cross(other).norm() > 1e-12 * one.norm() * other.norm()) // not a line, up to rounding
             triangle.push_back(c);
-    }
+    });
     if (triangle.empty())
         throw BadInput("The " + name + " has no triangle with an area.");
     MakeOneSided(position, triangle, progress.Slice(0.55, 0.7));
