@@ -31,15 +31,13 @@ double Fitter::Run::Growth() const { return GrowthOf(region, graph, MatchedShare
 /// nodes.
 Eigen::Affine3d Fitter::Run::MotionOfMatched(double factor) const {
     const std::vector<double> share = MatchedShares(isFree.size(), *matches, samples);
-    Eigen::Matrix3Xd from = asItLies.position, to = graph.position;
-    Eigen::Index n = 0;
+    std::vector<std::size_t> some;
     for (std::size_t j = 0; j < share.size(); ++j)
-        if (share[j] >= 0.5) {
-            from.col(n) = asItLies.position.col(Eigen::Index(j));
-            to.col(n++) = graph.position.col(Eigen::Index(j));
-        }
-    return n < 4 ? MotionOfMost(asItLies.position, graph.position, factor)
-                 : MotionOfMost(from.leftCols(n), to.leftCols(n), factor);
+        if (share[j] >= 0.5)
+            some.push_back(j);
+    const auto all = Eigen::all;
+    return some.size() < 4 ? MotionOfMost(asItLies.position, graph.position, factor)
+                           : MotionOfMost(asItLies.position(all, some), graph.position(all, some), factor);
 }
 
 /// Tries other starts, and keeps one if two things hold. It strains the surface far less, or less if the surface at

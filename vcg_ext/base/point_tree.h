@@ -315,11 +315,7 @@ class PointTree {
 /// A tree over some nodes of a graph. \param position 3 x n \param node at least one; the tree numbers them in this
 /// order
 inline std::unique_ptr<PointTree<float>> TreeOf(const Eigen::Matrix3Xf &position, const std::vector<Index> &node) {
-    std::vector<Eigen::Vector3f> points;
-    points.reserve(node.size());
-    for (Index i : node)
-        points.emplace_back(position.col(i));
-    return std::make_unique<PointTree<float>>(points);
+    return std::make_unique<PointTree<float>>(Eigen::Matrix3Xf(position(Eigen::all, node)));
 }
 
 } // namespace vcg::fcd

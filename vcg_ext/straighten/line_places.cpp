@@ -10,10 +10,7 @@
 namespace vcg::fcd::detail {
 
 Eigen::Matrix3Xd NodesOf(const RegionDeformer &deformer, const ToWorld &toWorld) {
-    Eigen::Matrix3Xd position(3, deformer.graph.Size());
-    for (Index j = 0; j < deformer.graph.Size(); ++j)
-        position.col(j) = toWorld(deformer.graph.graph.position.col(j).cast<double>());
-    return position;
+    return (deformer.graph.graph.position.cast<double>() * toWorld.scale).colwise() + toWorld.origin;
 }
 
 namespace {

@@ -253,10 +253,7 @@ class RegionFinder {
         const std::vector<std::size_t> there = Together(touched); // the places in these boxes
         if (there.empty())
             return;
-        Eigen::Matrix3Xd position(3, there.size());
-        for (std::size_t k = 0; k < there.size(); ++k)
-            position.col(Eigen::Index(k)) = point.col(Eigen::Index(there[k]));
-        const PointTree<double> blocks(position, progress.threads);
+        const PointTree<double> blocks(Eigen::Matrix3Xd(point(Eigen::all, there)), progress.threads);
         ParallelFor(progress.Slice(0.4, 1), detail::findingNeighbours, blocks.Blocks(), 64,
                     [&](std::size_t first, std::size_t last) {
                         detail::CloudNeighbourhood<double> neighbourhood(blocks);

@@ -88,10 +88,7 @@ NearestPlace::NearestPlace(const Eigen::Matrix3Xd &given, std::vector<std::array
     for (std::size_t i = 0; i < isVertex.size(); ++i)
         if (isVertex[i])
             vertex.push_back(Index(i));
-    Eigen::Matrix3Xd point(3, Eigen::Index(vertex.size()));
-    for (std::size_t i = 0; i < vertex.size(); ++i)
-        point.col(Eigen::Index(i)) = position.col(vertex[i]);
-    vertices = std::make_unique<PointTree<double>>(point, progress.threads);
+    vertices = std::make_unique<PointTree<double>>(Eigen::Matrix3Xd(position(Eigen::all, vertex)), progress.threads);
 }
 
 NearestPlace::~NearestPlace() = default;

@@ -15,9 +15,8 @@ GraphPose HalfPose(const DeformationGraph &graph, const GraphPose &full) {
     const Index n = graph.Size();
     GraphPose half = full;
     std::vector<Eigen::Matrix3d> turn; // half of the rotation of each node
-    Eigen::Matrix3Xd rest(3, n);
+    const Eigen::Matrix3Xd rest = graph.graph.position.cast<double>();
     for (Index j = 0; j < n; ++j) {
-        rest.col(j) = graph.graph.position.col(j).cast<double>();
         const Eigen::Matrix3d &linear = full.linear[j];
         const detail::Turn whole(detail::RotationOf(linear));
         turn.push_back(detail::RotationBy(0.5 * whole.angle, whole.axis));
