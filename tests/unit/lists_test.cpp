@@ -40,3 +40,19 @@ TEST(Together, IsWhatThreadsFoundInOrder) {
                                            }),
                   expected);
 }
+
+TEST(NumbersThat, AreAscendingForAnyNumberOfThreads) {
+    const std::size_t n = 200000; // several ranges
+    std::vector<vcg::fcd::Index> expected;
+    for (std::size_t i = 0; i < n; i += 7)
+        expected.push_back(vcg::fcd::Index(i));
+    for (unsigned threads : {1u, 2u, 7u})
+        EXPECT_EQ(vcg::fcd::NumbersThat(fcd_test::Threads(threads), "", n, [](std::size_t i) { return i % 7 == 0; }),
+                  expected);
+}
+
+TEST(SortUnique, KeepsOneOfEqualItems) {
+    std::vector<int> list{3, 1, 3, 2, 1};
+    vcg::fcd::SortUnique(list);
+    EXPECT_EQ(list, (std::vector<int>{1, 2, 3}));
+}

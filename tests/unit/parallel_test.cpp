@@ -10,6 +10,7 @@
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 using vcg::fcd::ParallelFor;
 using Ranges = std::multiset<std::pair<std::size_t, std::size_t>>;
@@ -33,6 +34,12 @@ TEST(ParallelFor, CoversEverythingOnceInTheSameRanges) {
             for (unsigned threads : {0u, 1u, 2u, 7u, 64u})
                 EXPECT_EQ(RangesOf(threads, n, grain), expected) << n << " by " << grain << ", " << threads;
         }
+}
+
+TEST(ParallelForEach, CallsEachItemOnce) {
+    std::vector<std::atomic<int>> calls(100);
+    vcg::fcd::ParallelForEach(3, calls.size(), 8, [&](std::size_t i) { ++calls[i]; });
+    EXPECT_TRUE(std::all_of(calls.begin(), calls.end(), [](const std::atomic<int> &each) { return each == 1; }));
 }
 
 TEST(ParallelFor, DoesNothingForNoItems) {
