@@ -22,7 +22,8 @@ constexpr std::size_t mostAsked = 16;
 
 // How many vertices tell whether a cloud ends: so many reach around a vertex by about three spacings (four where the
 // cloud ends). If noise hides the plane there, four times as many tell it. If other sheets of a fold do, those vertices
-// tell it that lie, to within this share of the reach, along the plane of the nearest third.
+// tell it that lie, to within this share of the reach, along the plane of the nearest third: most of them, since their
+// own sheet is nearer than others. Around a rod, fewer do.
 constexpr std::size_t few = 24, around[] = {few, 4 * few, few};
 constexpr double ofSheet = 0.25;
 // They lie along a plane if they extend less across it than in it (variances: largest ratio), and if they extend in it
@@ -139,19 +140,22 @@ bool NearestPlace::EndsBefore(const Eigen::Vector3d &p, const SurfacePlace &at, 
         const double reach = std::sqrt(nearest.back().square), spacing = reach * std::sqrt(detail::pi / double(count));
         if (nearest.size() < count || !(offset.norm() > beyond * spacing))
             return false;
-        const auto alongPlane = [&](std::size_t first) {
-            return detail::SymmetricEigen(
-                detail::ScatterOf(first, [&](std::size_t k) { return positionOf(nearest[k]); }));
+        const auto scatterOf = [&](std::size_t first) {
+            return detail::ScatterOf(first, [&](std::size_t k) { return positionOf(nearest[k]); });
         };
-        const bool isLast = i + 1 == std::size(around);
-        detail::SymmetricEigen eigen = alongPlane(isLast ? count / 3 : count);
-        if (isLast) {
-            const Eigen::Vector3d across = eigen.Vectors().col(0);
+        const bool isOfSheet = i + 1 == std::size(around);
+        Eigen::Matrix3d scatter = scatterOf(isOfSheet ? count / 3 : count);
+        if (isOfSheet) {
+            const Eigen::Vector3d across = detail::SymmetricEigen(scatter).Vectors().col(0);
             const auto others = std::stable_partition(nearest.begin(), nearest.end(), [&](const auto &each) {
                 return std::abs(across.dot(positionOf(each) - near)) <= ofSheet * reach;
             });
-            eigen = alongPlane(std::size_t(others - nearest.begin()));
+            const auto most = std::size_t(others - nearest.begin());
+            if (most < count / 2)
+                return false;
+            scatter = scatterOf(most);
         }
+        const detail::SymmetricEigen eigen(scatter);
         if (eigen.values[0] > flat * eigen.values[1] || !(eigen.values[1] > wide * eigen.values[2]))
             continue;
         const Eigen::Vector3d across = eigen.Vectors().col(0), beside = offset - across.dot(offset) * across;
