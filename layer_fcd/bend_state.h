@@ -19,7 +19,7 @@
 struct BendPoint {
     std::size_t slot = 0;
     double radius = 0;   ///< reach if nothing is marked as fixed: how far from it the surface bends, world units
-    bool isGrip = false; ///< it can turn: holds what is within half the radius, and the tip beyond; else only a spot
+    bool isGrip = false; ///< it can turn: holds its core (BendExtent) and the tip beyond; else only a spot
 
     bool operator==(const BendPoint &o) const { return slot == o.slot && radius == o.radius && isGrip == o.isGrip; }
 };

@@ -20,6 +20,11 @@ const float otherLimb = 0.1f;
 
 const double coreSize = 0.5; // share of the radius that moves with a handle; the other half bends
 
+// The same on a limb with something beyond, where the radius is twice its thickness: it bends from half a thickness
+// before its joint to one behind it. Where a limb turns by an angle a, the ends of a strip w thicknesses wide meet
+// inside if w = tan(a / 2): at 90 degrees for 1, at 113 for 1.5. The surface folds a third earlier.
+const double coreOfLimb = 0.25;
+
 // Least distance of a joint from its handle, over the radius. Between fixed surface all around, the middle of the
 // bending strip is at the handle. If it lies at one side, as on a limb, that middle is half a radius away or more.
 const double nearestJoint = 0.25;
@@ -131,7 +136,6 @@ std::shared_ptr<const BendExtent> BendReach::whole(const std::vector<std::size_t
     if (made.isWhole)
         return found;
     const std::vector<char> isCore = isAmong(nodesWithin(vertices, coreSize * radius));
-    made.core = slotsOf(isCore);
     std::vector<char> isBeyond(isCore.size(), 0);
     for (const std::size_t i : made.tips)
         isBeyond[std::size_t(surface->nodeOf[i])] = 1;
@@ -143,6 +147,7 @@ std::shared_ptr<const BendExtent> BendReach::whole(const std::vector<std::size_t
     add(looseNodes(isBeyond, hair));
     made.beyond = slotsOf(isBeyond);
     findShares(made);
+    made.core = slotsOf(made.bendsFar() ? isAmong(nodesWithin(vertices, coreOfLimb * radius)) : isCore);
     made.isWhole = true;
     return found;
 }
@@ -168,35 +173,40 @@ void BendReach::findShares(BendExtent &made) const {
             if (std::any_of(near.begin(), near.end(), [&](Index v) { return part[std::size_t(v)] == Around; }))
                 edge.push_back(u);
         }
-    const double radius = made.radius / surface->frame.scale, strip = (1 - coreSize) * radius;
+    const double radius = made.radius / surface->frame.scale, strip = (1 - coreSize) * radius,
+                 farthest = (1 - coreOfLimb) * radius;
     std::vector<float> share(part.size(), 1);
     std::vector<double> distances;
-    const std::vector<Index> near = vcg::fcd::NodesWithin(graph(), edge, strip, vcg::fcd::Ways::Surface, &distances);
+    const std::vector<Index> near = vcg::fcd::NodesWithin(graph(), edge, farthest, vcg::fcd::Ways::Surface, &distances);
     Eigen::Vector4d outer = Eigen::Vector4d::Zero(), inner = outer; // sum of area times place, and of area
     Eigen::Vector3d place = Eigen::Vector3d::Zero();
-    for (std::size_t k = 0; k < near.size(); ++k) {
-        const auto u = std::size_t(near[k]);
-        if (part[u] != Around)
-            continue;
-        share[u] = float(distances[k] / strip);
-        (share[u] < 0.5f ? outer : inner) +=
-            double(surface->nodeArea[u]) * graph().position.col(near[k]).cast<double>().homogeneous();
-    }
-    made.share.clear();
-    for (const std::size_t i : made.around)
-        made.share.push_back(share[std::size_t(surface->nodeOf[i])]);
+    const auto bent = near.begin() + (std::upper_bound(distances.begin(), distances.end(), strip) - distances.begin());
+    for (auto u = near.begin(); u != bent; ++u)
+        if (part[std::size_t(*u)] == Around)
+            (distances[std::size_t(u - near.begin())] < strip / 2 ? outer : inner) +=
+                double(surface->nodeArea[std::size_t(*u)]) * graph().position.col(*u).cast<double>().homogeneous();
     for (const std::size_t i : made.vertices)
         if (surface->nodeOf[i] >= 0)
             place += graph().position.col(surface->nodeOf[i]).cast<double>() / double(made.vertices.size());
-    const Eigen::Vector4d all = outer + inner;
-    if (!(all[3] > 0))
-        return;
-    const Eigen::Vector3d center = all.hnormalized();
-    made.bends = surface->frame.FromFrame(center);
-    if (outer[3] > 0 && inner[3] > 0)
-        made.axis = inner.hnormalized() - outer.hnormalized();
-    if ((center - place).norm() > (made.beyond.empty() ? nearestJointOfEnd : nearestJoint) * radius)
-        made.joint = made.bends;
+    if (const Eigen::Vector4d all = outer + inner; all[3] > 0) {
+        const Eigen::Vector3d center = all.hnormalized();
+        made.bends = surface->frame.FromFrame(center);
+        if (outer[3] > 0 && inner[3] > 0)
+            made.axis = inner.hnormalized() - outer.hnormalized();
+        if ((center - place).norm() > (made.beyond.empty() ? nearestJointOfEnd : nearestJoint) * radius)
+            made.joint = made.bends;
+    }
+    const double width = made.bendsFar() ? farthest : strip;
+    for (std::size_t k = 0; k < near.size(); ++k)
+        if (const auto u = std::size_t(near[k]); part[u] == Around)
+            share[u] = std::min(1.f, float(distances[k] / width));
+    made.share.clear();
+    for (const std::size_t i : made.around)
+        made.share.push_back(share[std::size_t(surface->nodeOf[i])]);
+}
+
+float BendExtent::shareAtJoint() const {
+    return float((1 - coreSize) / 2 / (1 - (bendsFar() ? coreOfLimb : coreSize)));
 }
 
 float BendExtent::shareOf(std::size_t slot) const {

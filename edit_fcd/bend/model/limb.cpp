@@ -33,8 +33,6 @@ const double quickPart = 6, leastFlat = 0.8;
 // Distance of the farthest one, over the radius of the ball that closes around the limb. Much thinner limbs have none.
 const double farOfCut = 0.75;
 
-const float leastShare = 0.5; // of a vertex that turns with its limb, and does not rather stay
-
 // Between the powers of the distance with which an area grows: 1 along a limb, 2 on a plane.
 const double betweenLineAndPlane = 1.5;
 
@@ -183,7 +181,7 @@ std::optional<std::size_t> BendReach::endOfShortLimb(const Pointed &at) {
 /// Tells whether a handle turns the limb of a vertex about a joint, and no other limb with it.
 bool BendReach::turnsOneLimb(std::size_t root, const Pointed &at) {
     const auto turned = whole({root}, radiusAt(root, at.usual), at.hair);
-    return turned->joint && turned->isOneLimb && turned->shareOf(at.slot) > leastShare;
+    return turned->joint && turned->isOneLimb && turned->shareOf(at.slot) > turned->shareAtJoint();
 }
 
 /// The means of three values each: a section of a coarse surface may have a third less than the next.

@@ -74,13 +74,16 @@ struct BendExtent {
     std::vector<std::size_t> aside;       ///< other tips that it cuts off: for a shoulder, the head
     bool isOneLimb = true;                ///< the tips are of one limb, and not of two, like an arm and the head
     bool isWhole = false;                 ///< the members below are set
-    std::vector<std::size_t> core;        ///< within half the radius
+    std::vector<std::size_t> core;        ///< within half the radius, on a limb a quarter
     std::vector<std::size_t> beyond;      ///< tips, and what the core cuts off, with loose parts among these
-    std::optional<Eigen::Vector3d> bends; ///< the middle of the strip between core and fixed part, layer units
-    Eigen::Vector3d axis = Eigen::Vector3d::Zero(); ///< across the strip, towards the core, frame units; 0: not known
+    std::optional<Eigen::Vector3d> bends; ///< the middle of the outer half of the radius, layer units
+    Eigen::Vector3d axis = Eigen::Vector3d::Zero(); ///< across that half, towards the core, frame units; 0: not known
     std::optional<Eigen::Vector3d> joint;           ///< as bends, only on a limb
 
     float shareOf(std::size_t slot) const; ///< how much any vertex moves with the handle, [0, 1]
+    float shareAtJoint() const;            ///< how much what lies at the joint moves
+    /// Whether three quarters of the radius bend, and not half: on a limb that goes on beyond.
+    bool bendsFar() const { return joint && !beyond.empty(); }
 };
 
 /// Distances, extents and limbs along the surface of the rest shape. Lengths in world units.
@@ -125,9 +128,9 @@ class BendReach {
     std::optional<std::size_t> rootOfLimb(std::size_t slot, double usual, double hair, int nearer = 0);
 
     /// The extent of a handle that turns the limb beyond the vertex \p from, towards \p to: it bends at \p from, in a
-    /// strip as wide as the limb is thick there. On no limb, it is an extent around \p to, and the middle of its strip
-    /// is at \p from. Null if the larger part lies beyond, or no surface leads to \p to. \param usual, hair as of
-    /// rootOfLimb() \return also whether it is on a limb
+    /// strip 1.5 times as wide as the limb is thick there. On no limb, it is an extent around \p to, and the middle of
+    /// its strip is at \p from. Null if the larger part lies beyond, or no surface leads to \p to. \param usual, hair
+    /// as of rootOfLimb() \return also whether it is on a limb
     std::pair<std::shared_ptr<const BendExtent>, bool> beyond(std::size_t from, std::size_t to, double usual,
                                                               double hair);
 
@@ -153,7 +156,7 @@ class BendReach {
     double closingRadius(std::size_t slot, double usual);
     double findClosingRadius(std::size_t slot, double usual);
     /// The radius of a handle on a limb, over the closing radius. That ball reaches half around the limb, pi / 2 times
-    /// the thickness. A radius of twice the thickness leaves a strip as wide as the limb is thick to bend.
+    /// the thickness. A radius of twice the thickness leaves a strip of 1.5 times the thickness to bend, and a core.
     static constexpr double radiusOfClosing = 4 / EIGEN_PI;
     /// The largest radius for one limb, over that elsewhere on it: a hand is hardly twice as wide as its wrist.
     static constexpr double widest = 2;
