@@ -136,8 +136,8 @@ class MotionTextReader {
         const auto isDigit = [this](std::size_t at) { return at < text.size() && text[at] >= '0' && text[at] <= '9'; };
         if (!AtEnd() && !IsMark(text[begin]) && !detail::LooksLikeNumber(text.data() + begin, text.data() + end))
             return false;
-        for (std::size_t at = end; at-- > 0 && !std::isalpha(static_cast<unsigned char>(text[at]));)
-            if (text[at] == ',' && isDigit(at + 1) && at > 0 && isDigit(at - 1))
+        for (std::size_t at = end; at > 1 && !std::isalpha(static_cast<unsigned char>(text[at - 1])); --at)
+            if (text[at - 1] == ',' && isDigit(at) && isDigit(at - 2))
                 return true;
         return false;
     }
