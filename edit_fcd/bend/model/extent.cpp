@@ -180,11 +180,10 @@ void BendReach::findShares(BendExtent &made) const {
     const std::vector<Index> near = vcg::fcd::NodesWithin(graph(), edge, farthest, vcg::fcd::Ways::Surface, &distances);
     Eigen::Vector4d outer = Eigen::Vector4d::Zero(), inner = outer; // sum of area times place, and of area
     Eigen::Vector3d place = Eigen::Vector3d::Zero();
-    const auto bent = near.begin() + (std::upper_bound(distances.begin(), distances.end(), strip) - distances.begin());
-    for (auto u = near.begin(); u != bent; ++u)
-        if (part[std::size_t(*u)] == Around)
-            (distances[std::size_t(u - near.begin())] < strip / 2 ? outer : inner) +=
-                double(surface->nodeArea[std::size_t(*u)]) * graph().position.col(*u).cast<double>().homogeneous();
+    for (std::size_t k = 0; k < near.size() && distances[k] <= strip; ++k)
+        if (part[std::size_t(near[k])] == Around)
+            (distances[k] < strip / 2 ? outer : inner) += double(surface->nodeArea[std::size_t(near[k])]) *
+                                                          graph().position.col(near[k]).cast<double>().homogeneous();
     for (const std::size_t i : made.vertices)
         if (surface->nodeOf[i] >= 0)
             place += graph().position.col(surface->nodeOf[i]).cast<double>() / double(made.vertices.size());
