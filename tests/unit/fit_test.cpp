@@ -227,10 +227,11 @@ TEST(Fit, WhatHasNoCounterpartIsStiff) {
     points.face.clear();
     points.position.erase(std::remove_if(points.position.begin(), points.position.end(), isLeft),
                           points.position.end());
+    const double most = sanitized ? 0.0056 : 0.0042; // with a third of the samples
     for (const Shape &each : {half, points}) {
         const Fitted fitted = Fit(source, each);
-        EXPECT_LT(Rms(fitted, there, [](std::size_t i) { return source.position[i][0] > 4.2; }), 0.0042);
-        EXPECT_LT(Rms(fitted, there, [](std::size_t i) { return source.position[i][0] < 3.8; }), 0.0042);
+        EXPECT_LT(Rms(fitted, there, [](std::size_t i) { return source.position[i][0] > 4.2; }), most);
+        EXPECT_LT(Rms(fitted, there, [](std::size_t i) { return source.position[i][0] < 3.8; }), most);
     }
 }
 
