@@ -35,9 +35,9 @@ Eigen::Affine3d Fitter::Run::MotionOfMatched(double factor) const {
     for (std::size_t j = 0; j < share.size(); ++j)
         if (share[j] >= 0.5)
             some.push_back(j);
-    const auto all = Eigen::all;
-    return some.size() < 4 ? MotionOfMost(asItLies.position, graph.position, factor)
-                           : MotionOfMost(asItLies.position(all, some), graph.position(all, some), factor);
+    if (some.size() < 4)
+        return MotionOfMost(asItLies.position, graph.position, factor);
+    return MotionOfMost(asItLies.position(Eigen::all, some), graph.position(Eigen::all, some), factor);
 }
 
 /// Tries other starts, and keeps one if two things hold. It strains the surface far less, or less if the surface at

@@ -43,15 +43,15 @@ constexpr double besideIt = 0.3;
 /// How many of some points of equal area lie at a rim of their surface.
 std::size_t CountOnRim(const std::vector<Eigen::Vector3d> &at, const std::vector<Eigen::Vector3d> &normal) {
     const PointTree<double> tree(at);
-    std::vector<PointTree<double>::Neighbour> nearest;
+    std::vector<PointTree<double>::Neighbour> beside;
     std::size_t onRim = 0;
     for (std::size_t s = 0; s < at.size(); ++s) {
-        tree.Nearest(at[s], aroundOne, nearest);
+        tree.Nearest(at[s], aroundOne, beside);
         Eigen::Vector3d off = Eigen::Vector3d::Zero();
-        for (const auto &each : nearest)
-            off += (at[std::size_t(each.point)] - at[s]) / double(nearest.size());
+        for (const auto &each : beside)
+            off += (at[std::size_t(each.point)] - at[s]) / double(beside.size());
         off -= normal[s].dot(off) * normal[s];
-        onRim += off.norm() > besideIt * std::sqrt(nearest.back().square);
+        onRim += off.norm() > besideIt * std::sqrt(beside.back().square);
     }
     return onRim;
 }
