@@ -136,14 +136,17 @@ bool NearestPlace::EndsBefore(const Eigen::Vector3d &p, const SurfacePlace &at, 
     thread_local std::vector<PointTree<double>::Neighbour> nearest;
     for (std::size_t i = 0; i < std::size(around); ++i) {
         const std::size_t count = around[i];
-        FindApart(*vertices, positionOf, near, count, hint.block, nearest);
+        const bool isOfSheet = i + 1 == std::size(around);
+        if (isOfSheet)
+            nearest.resize(count); // they are sorted
+        else
+            FindApart(*vertices, positionOf, near, count, hint.block, nearest);
         const double reach = std::sqrt(nearest.back().square), spacing = reach * std::sqrt(detail::pi / double(count));
         if (nearest.size() < count || !(offset.norm() > beyond * spacing))
             return false;
         const auto scatterOf = [&](std::size_t first) {
             return detail::ScatterOf(first, [&](std::size_t k) { return positionOf(nearest[k]); });
         };
-        const bool isOfSheet = i + 1 == std::size(around);
         Eigen::Matrix3d scatter = scatterOf(isOfSheet ? count / 3 : count);
         if (isOfSheet) {
             const Eigen::Vector3d across = detail::SymmetricEigen(scatter).Vectors().col(0);
