@@ -153,6 +153,35 @@ TEST(NearestPlace, AHintChangesNoBit) {
     }
 }
 
+TEST(NearestPlace, AHintChangesNoEndOfVertices) {
+    std::mt19937 random(4);
+    std::uniform_real_distribution<double> number(-1, 1);
+    Eigen::Matrix3Xd position(3, 600); // a square; 30 of them beside it, where no plane is
+    for (Eigen::Index i = 0; i < position.cols(); ++i)
+        position.col(i) << number(random), number(random), i < 30 ? 2 + number(random) : 0;
+    const NearestPlace nearest(position, {}, std::vector<char>(600, 1));
+    std::vector<NearestPlace::Hint> hint(100);
+    std::vector<Vector3d> at(hint.size());
+    for (Vector3d &p : at)
+        p << 1.5 * number(random), 1.5 * number(random), 0.3 + number(random);
+    int ends = 0, same = 0;
+    for (int step = 0; step < 40; ++step)
+        for (std::size_t i = 0; i < at.size(); ++i) {
+            const Index before = hint[i].around.slot;
+            at[i] += 0.01 * Vector3d(number(random), number(random), number(random));
+            NearestPlace::Hint none;
+            const SurfacePlace place = nearest(at[i], hint[i]), alone = nearest(at[i], none);
+            const bool isEnd = nearest.EndsBefore(at[i], alone, none);
+            ASSERT_EQ(nearest.EndsBefore(at[i], place, hint[i]), isEnd);
+            ends += isEnd;
+            same += hint[i].around.slot == before;
+        }
+    EXPECT_GT(ends, 1000);
+    EXPECT_LT(ends, 3000);
+    EXPECT_GT(same, 2000);
+    EXPECT_LT(same, 3900);
+}
+
 TEST(NearestPlace, IsTheVertexAtAVertex) {
     Eigen::Matrix3Xd position;
     const auto triangle = Soup(position);

@@ -275,7 +275,7 @@ std::vector<FitTarget::Match> FitTarget::Places(std::size_t wanted) const {
     return places;
 }
 
-FitTarget::Match FitTarget::Nearest(const Eigen::Vector3d &p, NearestPlace::Hint &hint) const {
+FitTarget::Match FitTarget::Nearest(const Eigen::Vector3d &p, NearestPlace::Hint &hint, bool asksEnd) const {
     const SurfacePlace at = (*place)(p, hint);
     Match match;
     match.point.setZero();
@@ -303,7 +303,7 @@ FitTarget::Match FitTarget::Nearest(const Eigen::Vector3d &p, NearestPlace::Hint
         if (reachesFarther)
             for (int k = 0; k < at.count; ++k)
                 match.reach = std::max(match.reach, (position.col(at.slot[k]) - match.point).norm());
-        match.onBorder = place->EndsBefore(p, at, hint);
+        match.onBorder = asksEnd && place->EndsBefore(p, at, hint);
     }
     return match;
 }

@@ -77,8 +77,9 @@ class FitTarget {
               const Eigen::Affine3d &toFrame, const Progress &progress = {}, const std::function<void()> &isRead = {},
               const WeightOf &weight = {}, const std::string &name = "target");
 
-    /// \param p frame units \param hint of a point nearby, for speed
-    Match Nearest(const Eigen::Vector3d &p, NearestPlace::Hint &hint) const;
+    /// \param p frame units \param hint of a point nearby, for speed \param asksEnd false: whether a cloud ends there
+    /// (Match::onBorder) is not asked, for speed
+    Match Nearest(const Eigen::Vector3d &p, NearestPlace::Hint &hint, bool asksEnd = true) const;
     Match Nearest(const Eigen::Vector3d &p) const {
         NearestPlace::Hint none;
         return Nearest(p, none);

@@ -10,6 +10,7 @@
 #include <cassert>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <utility>
 
 namespace vcg::fcd {
@@ -24,7 +25,7 @@ constexpr std::size_t mostAsked = 16;
 // cloud ends). If noise hides the plane there, four times as many tell it. If other sheets of a fold do, those vertices
 // tell it that lie, to within this share of the reach, along the plane of the nearest third: most of them, since their
 // own sheet is nearer than others. Around a rod, fewer do.
-constexpr std::size_t few = 24, around[] = {few, 4 * few, few};
+constexpr std::size_t few = 24, looks[] = {few, 4 * few, few};
 constexpr double ofSheet = 0.25;
 // They lie along a plane if they extend less across it than in it (variances: largest ratio), and if they extend in it
 // to both sides (smallest ratio). At a straight end, half a disc has 0.28 of the latter. Vertices on both sides of an
@@ -72,6 +73,56 @@ void FindApart(const PointTree<double> &points, const At &at, const Eigen::Vecto
         found.resize(apart);
         if (apart == count || all < asked)
             return;
+    }
+}
+
+using Neighbours = std::vector<PointTree<double>::Neighbour>;
+
+double SpacingOf(const Neighbours &nearest) {
+    return std::sqrt(nearest.back().square * detail::pi / double(nearest.size()));
+}
+
+/// Finds the plane along which the vertices around one lie.
+/// \param nearest the `few` nearest ones; changed \param search search(n) sets \p nearest to the n nearest ones
+/// \param from from(neighbour): its position, from that vertex
+template <class Search, class From>
+void LookAround(Neighbours &nearest, const Search &search, const From &from, Around &around) {
+    around.isKnown = true;
+    for (std::size_t i = 0; i < std::size(looks); ++i) {
+        const std::size_t count = looks[i];
+        const bool isOfSheet = i + 1 == std::size(looks);
+        if (isOfSheet)
+            nearest.resize(count); // they are sorted
+        else if (i > 0)
+            search(count);
+        if (nearest.size() < count)
+            return;
+        around.reach = std::sqrt(nearest.back().square);
+        around.leastBeside = beyond * SpacingOf(nearest);
+        around.least = std::max(around.least, around.leastBeside);
+        const auto scatterOf = [&](std::size_t first) {
+            return detail::ScatterOf(first, [&](std::size_t k) { return from(nearest[k]); });
+        };
+        Eigen::Matrix3d scatter = scatterOf(isOfSheet ? count / 3 : count);
+        if (isOfSheet) {
+            const Eigen::Vector3d across = detail::SymmetricEigen(scatter).Vectors().col(0);
+            const auto others = std::stable_partition(nearest.begin(), nearest.end(), [&](const auto &each) {
+                return std::abs(across.dot(from(each))) <= ofSheet * around.reach;
+            });
+            const auto most = std::size_t(others - nearest.begin());
+            if (most < count / 2)
+                return;
+            scatter = scatterOf(most);
+        }
+        const detail::SymmetricEigen eigen(scatter);
+        if (eigen.values[0] > flat * eigen.values[1] || !(eigen.values[1] > wide * eigen.values[2]))
+            continue;
+        around.isPlane = true;
+        around.across = eigen.Vectors().col(0);
+        around.position.resize(3, Eigen::Index(count));
+        for (std::size_t k = 0; k < count; ++k)
+            around.position.col(Eigen::Index(k)) = from(nearest[k]);
+        return;
     }
 }
 
@@ -125,7 +176,7 @@ SurfacePlace NearestPlace::Find(const Eigen::Vector3d &at, Hint &hint, const Eig
     return place;
 }
 
-bool NearestPlace::EndsBefore(const Eigen::Vector3d &p, const SurfacePlace &at, const Hint &hint) const {
+bool NearestPlace::EndsBefore(const Eigen::Vector3d &p, const SurfacePlace &at, Hint &hint) const {
     if (!vertices)
         return false;
     const Eigen::Vector3d near = position.col(at.slot[0]);
@@ -133,41 +184,34 @@ bool NearestPlace::EndsBefore(const Eigen::Vector3d &p, const SurfacePlace &at, 
     for (int k = 0; k < at.count; ++k)
         offset -= at.weight[k] * position.col(at.slot[k]);
     const auto positionOf = [&](const auto &each) { return position.col(vertex[std::size_t(each.point)]); };
-    thread_local std::vector<PointTree<double>::Neighbour> nearest;
-    for (std::size_t i = 0; i < std::size(around); ++i) {
-        const std::size_t count = around[i];
-        const bool isOfSheet = i + 1 == std::size(around);
-        if (isOfSheet)
-            nearest.resize(count); // they are sorted
-        else
-            FindApart(*vertices, positionOf, near, count, hint.block, nearest);
-        const double reach = std::sqrt(nearest.back().square), spacing = reach * std::sqrt(detail::pi / double(count));
-        if (nearest.size() < count || !(offset.norm() > beyond * spacing))
-            return false;
-        const auto scatterOf = [&](std::size_t first) {
-            return detail::ScatterOf(first, [&](std::size_t k) { return positionOf(nearest[k]); });
-        };
-        Eigen::Matrix3d scatter = scatterOf(isOfSheet ? count / 3 : count);
-        if (isOfSheet) {
-            const Eigen::Vector3d across = detail::SymmetricEigen(scatter).Vectors().col(0);
-            const auto others = std::stable_partition(nearest.begin(), nearest.end(), [&](const auto &each) {
-                return std::abs(across.dot(positionOf(each) - near)) <= ofSheet * reach;
-            });
-            const auto most = std::size_t(others - nearest.begin());
-            if (most < count / 2)
-                return false;
-            scatter = scatterOf(most);
-        }
-        const detail::SymmetricEigen eigen(scatter);
-        if (eigen.values[0] > flat * eigen.values[1] || !(eigen.values[1] > wide * eigen.values[2]))
-            continue;
-        const Eigen::Vector3d across = eigen.Vectors().col(0), beside = offset - across.dot(offset) * across;
-        const double far = beside.norm();
-        return far > beyond * spacing && std::all_of(nearest.begin(), nearest.end(), [&](const auto &each) {
-                   return beside.dot(positionOf(each) - near) <= empty * reach * far;
-               });
+    thread_local Neighbours nearest;
+    const auto search = [&](std::size_t count) { FindApart(*vertices, positionOf, near, count, hint.block, nearest); };
+    Around &around = hint.around;
+    const bool isOther = around.slot != at.slot[0];
+    if (isOther) {
+        around = {};
+        around.slot = at.slot[0];
+        search(few);
+        around.spacing = nearest.size() < few ? std::numeric_limits<double>::infinity() : SpacingOf(nearest);
     }
-    return false;
+    if (!(offset.norm() > beyond * around.spacing))
+        return false;
+    if (!around.isKnown) {
+        if (!isOther)
+            search(few);
+        LookAround(
+            nearest, search, [&](const auto &each) { return Eigen::Vector3d(positionOf(each) - near); }, around);
+    }
+    if (!around.isPlane || !(offset.norm() > around.least))
+        return false;
+    const Eigen::Vector3d beside = offset - around.across.dot(offset) * around.across;
+    const double far = beside.norm();
+    if (!(far > around.leastBeside))
+        return false;
+    for (Eigen::Index k = 0; k < around.position.cols(); ++k)
+        if (!(beside.dot(around.position.col(k)) <= empty * around.reach * far))
+            return false;
+    return true;
 }
 
 double NearestPlace::SideOf(const Eigen::Vector3d &p, const Eigen::Vector3d &normal) const {

@@ -35,6 +35,19 @@ struct SurfacePlace {
     }
 };
 
+/// What lies around a vertex of a surface without triangles. Lengths are in a unit of the object that found it.
+struct Around {
+    Index slot = -1;           ///< of the vertex
+    double spacing = 0;        ///< of the nearest ones
+    bool isKnown = false;      ///< what follows is
+    bool isPlane = false;      ///< the vertices around it lie along a plane
+    double reach = 0;          ///< distance of the farthest one
+    double least = 0;          ///< no point nearer to its place lies beyond an end
+    double leastBeside = 0;    ///< ... along the plane
+    Eigen::Vector3d across;    ///< normal of the plane, length 1
+    Eigen::Matrix3Xd position; ///< of the vertices, from this one
+};
+
 /// Finds the place of a surface that is nearest to a point: on its triangles, or among its vertices if it has none,
 /// where vertices at one position count as one. Safe for any number of threads.
 class NearestPlace {
@@ -54,10 +67,12 @@ class NearestPlace {
         return Find(p, none, nullptr);
     }
 
-    /// What was found for one point; with it, a point nearby is found faster. It changes no bit of the result.
+    /// What was found for one point; with it, a point nearby is found faster. It changes no bit of the result. Each
+    /// object needs hints of its own.
     struct Hint {
         Index triangle = -1;
         std::size_t block = std::size_t(-1); ///< of vertices, where there are no triangles
+        Around around;
     };
     SurfacePlace operator()(const Eigen::Vector3d &p, Hint &hint) const { return Find(p, hint, nullptr); }
 
@@ -65,7 +80,7 @@ class NearestPlace {
     /// there, and \p p lies beside them. So a match in that place is on a border. False if \p p is nearer than they are
     /// to each other, or they lie along no plane, as at the tip of a finger.
     /// \param at the place nearest to \p p \param hint what was found for it
-    bool EndsBefore(const Eigen::Vector3d &p, const SurfacePlace &at, const Hint &hint) const;
+    bool EndsBefore(const Eigen::Vector3d &p, const SurfacePlace &at, Hint &hint) const;
 
     /// The same for a point of another sampling of the same shape, such as a thinned one. If the nearest triangle faces
     /// away from \p normal (the opposite wall of a fold), this takes the nearest one that faces along \p normal, at

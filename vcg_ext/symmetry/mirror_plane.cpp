@@ -101,12 +101,12 @@ class Matching {
     void Match() {
         ParallelForEach(threads, points.size(), 64, [&](std::size_t s) {
             const Eigen::Vector3d p = plane(points[s]);
-            const FitTarget::Match match = surface.Nearest(p, hint[s]);
+            // Far from the right plane, too much of a cloud with limbs would seem to have no counterpart.
+            const FitTarget::Match match = surface.Nearest(p, hint[s], !surface.IsCloud());
             const bool isOther = match.isOriented && match.normal.dot(plane.Turn(normal[s])) < 0;
             const Eigen::Vector3d foot = match.Foot(p);
             far[s] = (p - foot).norm() * (isOther ? wrongSide : 1);
-            // Far from the right plane, too much of a cloud with limbs would seem to have no counterpart.
-            share[s] = match.onBorder && !surface.IsCloud() ? 0 : 1;
+            share[s] = match.onBorder ? 0 : 1;
             pairs[s] = {points[s], foot};
         });
     }
