@@ -46,7 +46,8 @@ print(bend, pymeshlab_fcd.__version__)'
 if [ "$what" = test ]; then
     rm -rf built dist fresh
     # That from the source distribution compiles all of the method.
-    wheel "$compiler" --wheel-dir built "--config-settings=cmake.define.FCD_METHOD=$method" "$root"
+    # In a folder of the compiler's own: CMake forgets its variables when that changes.
+    wheel "$compiler" --wheel-dir built "--config-settings=cmake.define.FCD_METHOD=$method" "--config-settings=build-dir=build/python/{wheel_tag}-$compiler" "$root"
     wheel "$compiler" --wheel-dir built "--config-settings=cmake.define.FCD_PLUGINS=$root/build/plugins" "$root/python/plugin"
     # What else it runs on; the libraries of the plugins are those that pymeshlab has loaded.
     PATH=$tools:$PATH
