@@ -179,7 +179,7 @@ def test_the_plane_of_a_cube_with_one_bump():
     faces = same_place.ravel()[every]
     bump = cube * (1 + 0.12 * np.exp(-((cube - [15, 15, 6]) ** 2).sum(1) / 60))[:, None]
     random = np.random.default_rng(5)
-    for _ in range(12):
+    for _ in range(6):
         turn = np.linalg.qr(random.normal(size=(3, 3)))[0]
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
