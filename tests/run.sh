@@ -48,6 +48,7 @@ cache=${XDG_CACHE_HOME:-$HOME/.cache}/fcd
 results=$build/results
 rm -rf "$results"
 mkdir -p "$results"
+export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1 # a clone elsewhere takes what another has compiled
 export FCD_MESSAGES=$results/messages.txt # what the tests are told, for tests/messages.py
 name=setup # of the suite; each is a process of its own
 suites=()

@@ -29,6 +29,8 @@ log=$build/setup.log
 python=/usr/bin/python3
 mkdir -p "$build" "$cache"
 : >"$log"
+# A clone elsewhere takes what another has compiled.
+export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1
 
 step="starting"
 failed() {
