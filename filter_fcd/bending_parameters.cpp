@@ -108,7 +108,8 @@ void askTagAttribute(Fields &fields, HandleParam &handles) {
                  "custom attribute.");
 }
 
-void askMotionText(Fields &fields, HandleParam &handles, Shown shown = Shown::Always) {
+/// \param others the last sentence: what handles without a text do
+void askMotionText(Fields &fields, HandleParam &handles, const QString &others, Shown shown = Shown::Always) {
     fields.field(
         "transforms", handles.transforms, shown, "Motions as text",
         "A motion for each handle, in world coordinates. For example <i>2: rotate 0 0 1 135 about 0 0 0 translate 0 0 "
@@ -118,8 +119,8 @@ void askMotionText(Fields &fields, HandleParam &handles, Shown shown = Shown::Al
         "factors</li><li><i>matrix m11 m12 ... m44</i>: 16 numbers, row by row, the last row 0 0 0 1</li><li><i>layer "
         "'NAME'</i>: as the layer of that name lies to this one</li></ul><i>rotate</i> and <i>scale</i> may end in "
         "<i>about x y z</i>, the pivot. Without it, the pivot is the mean of the handle's vertices after the earlier "
-        "steps. Case, line breaks and commas between numbers do not matter. Handles without a text move by the motion "
-        "file, or else by the other parameters.");
+        "steps. Case, line breaks and commas between numbers do not matter. " +
+            others);
 }
 
 void askMotion(Fields &fields, HandleParam &handles, Shown shown = Shown::Always) {
@@ -188,7 +189,8 @@ void askHandles(Fields &fields, HandleParam &handles, Shown shown) {
     fields.openFile("transform_file", handles.transformFile, Shown::Advanced, {"*.def"}, "Motion file (.def)",
                     "A 4x4 matrix for each handle, in world coordinates: the first moves handle 2, the second handle "
                     "3, and so on. May be empty. Handles without a matrix move by the other parameters.");
-    askMotionText(fields, handles, shown);
+    askMotionText(fields, handles, "Handles without a text move by the motion file, or else by the other parameters.",
+                  shown);
     fields.openFile(
         "point_handles_file", handles.pointFile, Shown::Advanced, {"*.csv", "*.pp"}, "Point file (.csv, .pp)",
         "Points and where they go, in world coordinates. The surface turns freely there. A list has a line for each "
@@ -243,7 +245,8 @@ void ask(Fields &fields, TagParam &param) {
         "save_transform_file", param.save.transformFile, Shown::Advanced, "*.def", "Write motions to (.def)",
         "The file to write 'Motions as text' to: a 4x4 matrix for each handle, in world coordinates, for handle 2, 3, "
         "and so on. An existing file is replaced. <b>Empty</b> (the default): none is written.");
-    askMotionText(fields, param.save.handles);
+    askMotionText(fields, param.save.handles, "Handles without a text stay. Only read when motions are written.",
+                  Shown::Advanced);
     if (fields.areRead())
         param.validate();
 }
@@ -263,7 +266,7 @@ void ask(Fields &fields, SaveTagsParam &param) {
                     "The file to write the motions below to: a 4x4 matrix for each handle, in world coordinates, for "
                     "handle 2, 3, and so on (the identity for a number without vertices). An existing file is "
                     "replaced. <b>Empty</b> (the default): only tags are saved.");
-    askMotionText(fields, param.handles);
+    askMotionText(fields, param.handles, "Handles without a text move by the parameters below.");
     askMotion(fields, param.handles);
     fields.order({}, true);
     if (fields.areRead()) {
