@@ -564,7 +564,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 141  # as by SIGPIPE
     except OSError as error:  # of the table or the mean: a job puts its own in its row
         with contextlib.suppress(OSError):
-            _say(f"ended: {told(error)}; the same command goes on from here", sys.stderr)
+            _say(f"ended: {told(error)}; mend that, and the same command goes on from here", sys.stderr)
         return 1
     except KeyboardInterrupt as ended:
         is_asked = isinstance(ended, _workers.Terminated)

@@ -243,7 +243,7 @@ def test_a_table_that_cannot_be_written_is_told(tmp_path, capsys, monkeypatch):
 
     monkeypatch.setattr(_results._files, "write", full)
     assert main(["deform", str(tmp_path / "a.ply"), "--out", str(tmp_path / "o")]) == 1
-    assert "ended: deform.csv: No space left on device; the same command goes on from here" in capsys.readouterr().err
+    assert "ended: deform.csv: No space left on device; mend that, and the same command goes on from here" in capsys.readouterr().err
 
 
 def test_many_files_are_told_apart_at_once(tmp_path, monkeypatch):
