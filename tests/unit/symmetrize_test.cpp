@@ -208,6 +208,30 @@ TEST(Compensation, TellsWhatIsOutOfRange) {
     EXPECT_NE(ofScan(9, 0.3).find("The scan has 9 points, too few"), std::string::npos);
 }
 
+TEST(Symmetrize, FindsThePlaneOfASheetThatWasSheared) {
+    Sheet sheet(16);
+    for (std::size_t i = 0; i < sheet.position.size(); i += 3) {
+        const double x = sheet.position[i] - 0.5, y = sheet.position[i + 1];
+        sheet.position[i + 2] = 0.8 * x * x + 0.15 * std::sin(3 * y) + 0.15 * std::cos(9 * x) * y;
+        sheet.position[i] += 0.2 * sheet.position[i + 2];
+    }
+    const NormalOf none = [](std::size_t) { return Eigen::Vector3d::Zero(); };
+    for (const bool isCloud : {false, true}) {
+        SurfaceView view = sheet.View();
+        view.isCloud = isCloud;
+        view.faces = isCloud ? 0 : view.faces;
+        Handles handles;
+        handles.tag.assign(view.vertexSlots, 1);
+        const Fitter fitter(view, none, handles, FitParam());
+        SymmetryReport report;
+        const SymmetricPose pose = Symmetrize(fitter, view, none, Eigen::Affine3d::Identity(), {}, report);
+        EXPECT_TRUE(!report.isGiven && !report.isOfLandmarks);
+        EXPECT_GT(std::abs(report.plane.normal.x()), 0.98) << isCloud;
+        EXPECT_GT(report.moved, 0.01);
+        EXPECT_LT(report.fit.nearest, 0.2 * report.moved);
+    }
+}
+
 TEST(Symmetrize, TellsWhichLandmarkIsWrong) {
     const Sheet sheet(20);
     Handles handles;
