@@ -349,18 +349,22 @@ TEST(BendModel, ABentLimbTurnsWhereItIsBent) {
 }
 
 TEST(BendModel, AStraightLimbWithAHandOrAFootHasAnElbow) {
-    // Arms from x = 0.05 on, .12 thick, without a hand, with one as wide as 1.5 of it, and with a foot to the side.
-    enum class End { None, Hand, Foot };
+    // Arms from x = 0.05 on, .12 thick, without a hand, with one as wide as 1.5 or 1.23 of it, and with a foot to the
+    // side. A leg .08 thick with a foot of twice that and a half.
+    enum class End { None, Hand, SmallHand, Foot, LongFoot };
     const auto jointFrom = [](End end, double x, int nearer = 0) {
+        const double radius = end == End::LongFoot ? 0.04 : 0.06, ankle = end == End::LongFoot ? 0.8 : 0.85;
+        const double hand = end == End::Hand ? 0.5 : end == End::SmallHand ? 0.23 : 0;
         const auto thick = [&](double at) {
-            const double hand = end == End::Hand && at > 0.82 && at < 0.98 ? 0.03 : 0;
-            return at < 0 ? 0.24 : at < 0.05 ? 0.24 - 3.6 * at : 0.06 + hand;
+            const double body = at < 0 ? 4 : at < 0.05 ? 4 - 60 * at : 1;
+            return radius * (at > 0.82 && at < 0.98 ? body + hand : body);
         };
         Shape figure = Limb(1, 400, {0, 0, 0}, 1, 32);
         for (Eigen::Vector3d &p : figure.position) {
-            const double across = thick(p[0]), beyond = end == End::Foot ? p[0] - 0.85 : 0; // the foot goes along y
-            p = beyond > 0 ? Eigen::Vector3d(0.85 + across * p[1], -beyond, across * p[2])
-                           : Eigen::Vector3d(p[0], across * p[1], across * p[2]);
+            const double across = thick(p[0]), beyond = p[0] - ankle; // the foot goes along y
+            const bool isFoot = beyond > 0 && (end == End::Foot || end == End::LongFoot);
+            p = isFoot ? Eigen::Vector3d(ankle + across * p[1], -beyond, across * p[2])
+                       : Eigen::Vector3d(p[0], across * p[1], across * p[2]);
         }
         Bent bent(figure);
         const auto slot = std::size_t((x + 1) / 2 * 399) * 32;
@@ -373,11 +377,16 @@ TEST(BendModel, AStraightLimbWithAHandOrAFootHasAnElbow) {
     for (const double x : {0.55, 0.65, 0.75, 0.9}) {
         EXPECT_LT(jointFrom(End::None, x), 0.2) << x << ": a tail";
         EXPECT_NEAR(jointFrom(End::Hand, x), 0.05 + 3. / 7 * 0.95, 0.1) << x << ": the elbow";
+        EXPECT_NEAR(jointFrom(End::SmallHand, x), 0.05 + 3. / 7 * 0.95, 0.1) << x << ": the elbow";
         EXPECT_LT(jointFrom(End::Hand, x, BendReach::wholeLimb), 0.2) << x << ": the shoulder";
     }
-    for (const double x : {0.55, 0.65, 0.75})
+    for (const double x : {0.55, 0.65, 0.75}) {
         EXPECT_NEAR(jointFrom(End::Foot, x), 0.05 + 3. / 7 * 0.95, 0.1) << x << ": the knee";
+        EXPECT_NEAR(jointFrom(End::LongFoot, x), 0.05 + 3. / 7 * 0.95, 0.1) << x << ": the knee";
+    }
+    EXPECT_NEAR(jointFrom(End::LongFoot, 0.95), 0.8, 0.1) << "the ankle";
     EXPECT_LT(jointFrom(End::Hand, 0.25), 0.2) << "the upper arm";
+    EXPECT_LT(jointFrom(End::SmallHand, 0.25), 0.2) << "the upper arm";
     EXPECT_LT(jointFrom(End::Foot, 0.25), 0.2) << "the thigh";
 }
 

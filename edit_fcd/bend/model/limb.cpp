@@ -50,11 +50,17 @@ const std::size_t leastSections = 2 * std::size_t(binsOfThickness);
 // by 43.
 const double leastBend = 18, restOfBend = 0.7, footBend = 35;
 
-// Where a straight limb with a hand or a foot bends: at this share of it, from its tip. It is .577 for human arms and
-// .54 for legs down to the sole (segment lengths of Drillis and Contini 1966). Each part has at least so many
-// thicknesses: room for a handle, whose radius is two, and for half of the strip that bends. An arm has eight in all, a
-// leg seven.
-const double elbowAt = 4. / 7, leastPart = 2.5;
+// Where a straight limb with a hand or a foot bends: at this share of it, from its tip, along the middles of its
+// sections (around a hand, the surface is longer). It is .577 for human arms and .54 for legs down to the sole (segment
+// lengths of Drillis and Contini 1966). Each part has at least so many thicknesses: room for a handle, whose radius is
+// two, and for half of the strip that bends. An arm has eight in all, a leg seven. A bend is a wrist or an ankle if it
+// is before the middle of the part that turns: there they are at .43 and .31 of it (the same source).
+const double elbowAt = 4. / 7, leastPart = 2.5, wristBefore = 0.5;
+
+// A limb has a hand if its sections narrow by this on the way from its tip: less than a hand, which is 1.23 times as
+// large around as its wrist (means of Gordon et al. 1989), and more than what an even limb that is cut off seems to do,
+// 1.19.
+const float handOverWrist = 1.2f;
 
 // A vertex is pointed if the area within the usual radius is less than this share of a flat disc's. The corner of a
 // cube has 0.75 of it, the tip of a cone with an angle of 80 degrees 0.64.
@@ -192,11 +198,11 @@ static std::vector<float> smoothed(const std::vector<float> &area) {
     return mean;
 }
 
-/// The last section of a limb. \param area of sections, from its tip on \param start that of a vertex of the limb
-/// \param most largest area of a limb
-static std::size_t lastSection(const std::vector<float> &area, std::size_t start, float most) {
+/// The last section of a limb. \param area of sections, from its tip on \param smooth the same, smoothed \param start
+/// that of a vertex of the limb \param most largest area of a limb
+static std::size_t lastSection(const std::vector<float> &area, const std::vector<float> &smooth, std::size_t start,
+                               float most) {
     float before = std::accumulate(area.begin(), area.begin() + std::ptrdiff_t(start) + 1, 0.f);
-    const std::vector<float> smooth = smoothed(area);
     const auto growthAt = [&](std::size_t k) {
         return k > leastSections ? smooth[k] / smooth[k - binsOfThickness] : 0;
     };
@@ -214,21 +220,20 @@ static std::size_t lastSection(const std::vector<float> &area, std::size_t start
     return slowEnd && !isThick(end + 1) ? *slowEnd : end;
 }
 
-/// Tells whether a limb narrows on the way from its tip to a section, as beyond a hand. \param area of sections
-static bool narrows(const std::vector<float> &area, std::size_t upTo) {
-    const std::vector<float> smooth = smoothed(area);
+/// Tells whether a limb narrows on the way from its tip to a section, as beyond a hand. \param smooth areas of sections
+static bool narrows(const std::vector<float> &smooth, std::size_t upTo) {
     float most = 0;
     for (std::size_t k = 0; k < upTo; ++k) {
         most = std::max(most, smooth[k]);
-        if (most > slowlyThicker * smooth[k])
+        if (most > handOverWrist * smooth[k])
             return true;
     }
     return false;
 }
 
 /// The section at which a limb turns, for one of its sections: the next one that is bent, or the last one, or before it
-/// an elbow. \param end the last section of the limb \param area, sum as of Sections
-static std::size_t jointBeyond(std::size_t start, std::size_t end, const std::vector<float> &area,
+/// an elbow. \param end the last section of the limb \param smooth areas of sections \param sum as of Sections
+static std::size_t jointBeyond(std::size_t start, std::size_t end, const std::vector<float> &smooth,
                                const std::vector<Eigen::Vector4d> &sum) {
     const std::size_t away = binsOfThickness;
     const auto least = std::size_t(leastPart * binsOfThickness);
@@ -251,9 +256,13 @@ static std::size_t jointBeyond(std::size_t start, std::size_t end, const std::ve
     for (std::size_t k = away; k + 1 < end && k + 2 * away < sum.size() && last == end; ++k)
         if (isBent(k))
             (k <= start ? before : last) = k;
-    const auto elbow = std::size_t(elbowAt * double(last));
-    const bool hasRoom = start < elbow && before < least && last - elbow >= least && end - last < least;
-    return hasRoom && (before > 0 || narrows(area, elbow)) ? elbow : last;
+    std::vector<double> far(last + 1, 0); // along the middles
+    for (std::size_t k = 1; k <= last; ++k)
+        far[k] = far[k - 1] + (middle[k] - middle[k - 1]).norm();
+    const auto elbow = std::size_t(std::lower_bound(far.begin(), far.end(), elbowAt * far.back()) - far.begin());
+    const bool hasRoom =
+        start < elbow && double(before) < wristBefore * double(elbow) && last - elbow >= least && end - last < least;
+    return hasRoom && (before > 0 || narrows(smooth, elbow)) ? elbow : last;
 }
 
 /// The nodes of a part, nearest to one of them first, up to the last that lies beyond a handle; none if nothing does.
@@ -310,9 +319,11 @@ std::optional<std::size_t> BendReach::rootBefore(std::size_t slot, double radius
     const float most = largestLimb * partArea[std::size_t(partOf[std::size_t(own)])];
     const Sections sections = sectionsFrom(fromHere.back(), own, thickness / binsOfThickness, most);
     const std::size_t start = sections.of[std::size_t(own)];
-    std::size_t root = lastSection(sections.area, start, most);
-    if (pointed.nearer != wholeLimb)
-        root = jointBeyond(start, root, sections.area, sections.sum);
+    const std::vector<float> smooth = smoothed(sections.area);
+    std::size_t root = lastSection(sections.area, smooth, start, most);
+    if (pointed.nearer != wholeLimb) // the vertex itself may be nearer to the tip
+        root = jointBeyond(std::min(start, sections.of[std::size_t(surface->nodeOf[pointed.slot])]), root, smooth,
+                           sections.sum);
     // The joint of a handle is about the limb's thickness away from it. If that turns more than the limb, such as a
     // leg with the tail, another one is tried, towards the end.
     const std::size_t away = binsOfThickness * std::size_t(1 + std::max(0, pointed.nearer));
