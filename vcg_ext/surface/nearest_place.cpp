@@ -189,12 +189,12 @@ bool NearestPlace::EndsBefore(const Eigen::Vector3d &p, const SurfacePlace &at, 
     Around &around = hint.around;
     const bool isOther = around.slot != at.slot[0];
     if (isOther) {
-        around = {};
         around.slot = at.slot[0];
+        around.isKnown = around.isPlane = false;
         search(few);
-        around.spacing = nearest.size() < few ? std::numeric_limits<double>::infinity() : SpacingOf(nearest);
+        around.least = nearest.size() < few ? std::numeric_limits<double>::infinity() : beyond * SpacingOf(nearest);
     }
-    if (!(offset.norm() > beyond * around.spacing))
+    if (!(offset.norm() > around.least))
         return false;
     if (!around.isKnown) {
         if (!isOther)

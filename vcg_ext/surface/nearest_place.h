@@ -38,12 +38,11 @@ struct SurfacePlace {
 /// What lies around a vertex of a surface without triangles. Lengths are in a unit of the object that found it.
 struct Around {
     Index slot = -1;           ///< of the vertex
-    double spacing = 0;        ///< of the nearest ones
+    double least = 0;          ///< no point nearer to its place lies beyond an end; grows if isKnown
     bool isKnown = false;      ///< what follows is
     bool isPlane = false;      ///< the vertices around it lie along a plane
     double reach = 0;          ///< distance of the farthest one
-    double least = 0;          ///< no point nearer to its place lies beyond an end
-    double leastBeside = 0;    ///< ... along the plane
+    double leastBeside = 0;    ///< as least, along the plane
     Eigen::Vector3d across;    ///< normal of the plane, length 1
     Eigen::Matrix3Xd position; ///< of the vertices, from this one
 };
