@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/base/rotation_vector.h>
 #include <vcg_ext/compensate.h>
+#include <vcg_ext/surface/read_surface.h>
 #include <vcg_ext/symmetrize.h>
 #include <vcg_ext/symmetry/half_pose.h>
 #include <vcg_ext/warp/smooth_warp.h>
 
+#include "test_mesh.h"
 #include "test_support.h"
 
 #include <gtest/gtest.h>
@@ -230,6 +232,24 @@ TEST(Symmetrize, FindsThePlaneOfASheetThatWasSheared) {
         EXPECT_GT(report.moved, 0.01);
         EXPECT_LT(report.fit.nearest, 0.2 * report.moved);
     }
+}
+
+TEST(Symmetrize, TakesThePlaneThatAllPointsAgreeWith) {
+    // A body that is about as much its own mirror image along y as along x, but for feet at one end.
+    fcd_test::Shape body = fcd_test::Sphere(50, 50);
+    for (Eigen::Vector3d &p : body.position) {
+        const double wide = 0.3 * (1 + 0.3 * p[2]), feet = std::max(0., -0.9 - p[2]);
+        p = {wide * p[0], 0.5 * wide * p[1] + 3 * feet, p[2]};
+    }
+    const auto mesh = fcd_test::MeshOf<fcd_test::VertexD, fcd_test::EdgeD, fcd_test::FaceD>(body);
+    const SurfaceArrays arrays = vcg::tri::ReadSurface(mesh);
+    const NormalOf none = [](std::size_t) { return Eigen::Vector3d::Zero(); };
+    Handles handles;
+    handles.tag.assign(body.position.size(), 1);
+    const Fitter fitter(arrays.View(), none, handles, FitParam());
+    SymmetryReport report;
+    Symmetrize(fitter, arrays.View(), none, Eigen::Affine3d::Identity(), {}, report);
+    EXPECT_GT(std::abs(report.plane.normal.x()), 0.9) << report.plane.normal.transpose();
 }
 
 TEST(Symmetrize, TellsWhichLandmarkIsWrong) {

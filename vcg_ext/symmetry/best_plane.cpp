@@ -3,6 +3,7 @@
 #include <vcg_ext/symmetry/best_plane.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace vcg::fcd {
 
@@ -29,8 +30,8 @@ constexpr double asAnyWarped = 0.5;
 /// A plane, and the warp that takes the surface onto its mirror image in it.
 struct WarpedPlane {
     MirrorPlane plane;
-    double misfit;     // of the warp
-    MirrorPairs pairs; // points, and their counterparts
+    double misfit, misfitOfAll; // of the warp
+    MirrorPairs pairs;          // points, and their counterparts
 };
 
 /// Warps in each plane, with about so many points.
@@ -48,6 +49,7 @@ std::vector<WarpedPlane> WarpInEach(const std::vector<MirrorPlane> &planes, cons
         const SmoothWarp warp = FitWarp(goal, share, &fit);
         all[i].plane = planes[i];
         all[i].misfit = fit.misfit;
+        all[i].misfitOfAll = fit.misfitOfAll;
         for (const Eigen::Vector3d &place : goal.place)
             all[i].pairs.emplace_back(place, planes[i](warp.At(place)));
     });
@@ -87,8 +89,14 @@ MirrorPlane BestPlane(const TriedPlanes &tried, const WarpGoalIn &goalIn, bool &
     const std::vector<WarpedPlane> all =
         WarpInEach(planes, goalIn, roughPlaces, roughDegree, progress.Slice(isMany ? 0.5 : 0, 1));
     const double least = std::max(SortedMisfits(all)[0], perfect);
-    const WarpedPlane &best =
-        *std::find_if(all.begin(), all.end(), [&](const WarpedPlane &each) { return each.misfit <= equal * least; });
+    // A part may tell which of these it is: the front of a person is much like the back, but for the feet.
+    double leastOfAll = std::numeric_limits<double>::infinity();
+    for (const WarpedPlane &each : all)
+        if (each.misfit <= equal * least)
+            leastOfAll = std::min(leastOfAll, std::max(each.misfitOfAll, perfect));
+    const WarpedPlane &best = *std::find_if(all.begin(), all.end(), [&](const WarpedPlane &each) {
+        return each.misfit <= equal * least && each.misfitOfAll <= equal * leastOfAll;
+    });
     const auto isOther = [&](const WarpedPlane &each) { // its counterparts are others
         double squares = 0;
         for (std::size_t s = 0; s < best.pairs.size(); ++s)

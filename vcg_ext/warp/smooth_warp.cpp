@@ -161,8 +161,6 @@ class NormalEquations {
     Eigen::VectorXd right;
 };
 
-constexpr double mostMatches = 0.8; // the share of the matches that tells how well they are
-
 } // namespace
 
 std::vector<double> WithCounterpart(const std::vector<double> &far, const std::vector<double> &share) {
@@ -173,9 +171,9 @@ std::vector<double> WithCounterpart(const std::vector<double> &far, const std::v
     return 2 * found.size() < far.size() ? far : found;
 }
 
-double MisfitOf(const std::vector<double> &far, const std::vector<double> &share) {
+double MisfitOf(const std::vector<double> &far, const std::vector<double> &share, double part) {
     const std::vector<double> found = WithCounterpart(far, share);
-    return MeanOfSmallest(found, mostMatches) * double(far.size()) / double(std::max<std::size_t>(found.size(), 1));
+    return MeanOfSmallest(found, part) * double(far.size()) / double(std::max<std::size_t>(found.size(), 1));
 }
 
 SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *report) {
@@ -273,7 +271,7 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *r
         }
     }
     if (report)
-        *report = {MisfitOf(far, share), std::move(share)};
+        *report = {MisfitOf(far, share), MisfitOf(far, share, 1), std::move(share)};
     return warp;
 }
 

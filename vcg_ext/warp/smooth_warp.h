@@ -74,8 +74,8 @@ struct WarpGoal {
 
 /// How well a warp fits.
 struct WarpReport {
-    double misfit = 0;         ///< by MisfitOf
-    std::vector<double> share; ///< weight of each place's match, [0, 1]
+    double misfit = 0, misfitOfAll = 0; ///< by MisfitOf; of all that have a counterpart
+    std::vector<double> share;          ///< weight of each place's match, [0, 1]
 };
 
 /// Finds the warp that takes places onto their counterparts, from stiff (degree 1) to soft. Each step matches anew, and
@@ -87,9 +87,11 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress = {}, WarpRepo
 /// where a surface is in pieces that end everywhere.
 std::vector<double> WithCounterpart(const std::vector<double> &far, const std::vector<double> &share);
 
-/// How well places match: the mean distance of the nearest four fifths of those WithCounterpart, over their part of
-/// all.
-double MisfitOf(const std::vector<double> &far, const std::vector<double> &share);
+constexpr double mostMatches = 0.8; ///< the share of the matches that tells how well they are
+
+/// How well places match: the mean distance of the nearest of those WithCounterpart, over their part of all.
+/// \param part how many of these count, (0, 1]
+double MisfitOf(const std::vector<double> &far, const std::vector<double> &share, double part = mostMatches);
 
 } // namespace vcg::fcd
 
