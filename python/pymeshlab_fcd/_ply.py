@@ -259,5 +259,5 @@ def _of_strips(strips: list[list[int]] | NDArray[np.int64]) -> NDArray[np.int64]
 
 def _triangles(faces: list[list[int]] | NDArray[np.int64]) -> NDArray[np.int64]:
     if isinstance(faces, np.ndarray):
-        return np.concatenate([faces[:, [0, k, k + 1]] for k in range(1, faces.shape[1] - 1)] or [np.zeros((0, 3), np.int64)])
+        return np.stack([faces[:, [0] * (faces.shape[1] - 2)], faces[:, 1:-1], faces[:, 2:]], axis=2).reshape(-1, 3)
     return np.array([[each[0], each[k], each[k + 1]] for each in faces for k in range(1, len(each) - 1)], np.int64).reshape(-1, 3)

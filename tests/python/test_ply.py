@@ -76,3 +76,14 @@ def test_faces_as_text_are_read_alike_whatever_their_lengths(tmp_path):
     for lines in (["inf 0 1 2"], ["1e400 0 1 2"], ["nan 0 1 2"], ["3 0 1"], ["3 0 1 two"]):
         with pytest.raises(ValueError, match="a.ply cannot be read as PLY"):
             text_faces(tmp_path / "a.ply", lines)
+
+
+def test_faces_of_many_corners_are_split_in_the_same_order_as_text_and_as_bytes(tmp_path):
+    head = ("ply\nformat {} 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n"
+            "property list uchar int vertex_indices\nend_header\n")
+    points, faces = np.arange(24.0).reshape(8, 3), [[0, 1, 2, 3, 4], [7, 6, 5, 4, 3]]
+    lines = [*(" ".join(map(str, p)) for p in points), *(" ".join(map(str, [5, *each])) for each in faces)]
+    (tmp_path / "a.ply").write_text(head.format("ascii") + "\n".join(lines) + "\n")
+    (tmp_path / "b.ply").write_bytes(head.format("binary_little_endian").encode() + points.astype("<f4").tobytes() + b"".join(struct.pack("<B5i", 5, *each) for each in faces))
+    triangles = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [7, 6, 5], [7, 5, 4], [7, 4, 3]]
+    assert Ply(tmp_path / "a.ply").faces.tolist() == Ply(tmp_path / "b.ply").faces.tolist() == triangles
