@@ -227,17 +227,8 @@ Eigen::AlignedBox3d boxOf(const Eigen::Matrix3Xd &position, const Eigen::Affine3
 
 std::string describeSpace(const MeshModel &target, const Eigen::AlignedBox3d &here, const Eigen::AlignedBox3d &source,
                           bool isWhole) {
-    if (here.isEmpty() || source.isEmpty())
-        return {};
-    const double size = here.diagonal().norm(), sourceSize = source.diagonal().norm(),
-                 gap = here.exteriorDistance(source);
-    const bool isFar = gap > sourceSize, isLandmarks = target.cm.vn < 100; // a few points may lie close together
-    if (!isFar && size <= 10 * sourceSize && (10 * size >= sourceSize || isLandmarks || !isWhole))
-        return {};
-    return inWords(
-        "The layer ", inQuotes(target), " is ", size, " across and the source ", sourceSize,
-        isFar ? inWords(", and they are ", gap, " apart") : "",
-        ": a deformation means nothing so far from its source. Bring the layer to the same place and units first.");
+    const bool mayBeSmall = !isWhole || target.cm.vn < 100; // a few points may lie close together
+    return vcg::fcd::SpaceRemark("The layer " + inQuotes(target) + " is", here, source, mayBeSmall ? 0 : 0.1);
 }
 
 void carry(const MeshModel &target, const Eigen::Affine3d &matrix, const Displacements &displacements,

@@ -41,6 +41,16 @@ class Field {
     /// World units; NaN if unknown.
     double largestDifference() const { return field.samples.largestDifference; }
 
+    /// As vcg::fcd::SpaceRemark. A part of the surface, such as a tile, is smaller; other units are mostly a thousand.
+    std::string spaceRemark(const Rows &xyz) const {
+        const nb::gil_scoped_release release;
+        Eigen::AlignedBox3d here;
+        for (std::size_t i = 0; i < xyz.shape(0); ++i)
+            if (const Eigen::Vector3d p = rowOf(xyz.data(), i); p.allFinite())
+                here.extend(p);
+        return vcg::fcd::SpaceRemark("The points are", here, box, xyz.shape(0) < 100 ? 0 : 0.01);
+    }
+
     nb::object positions() const {
         double *data;
         nb::object rows = newArray({samples(), 3}, data);

@@ -95,6 +95,7 @@ NB_MODULE(_core, module) {
         .def_prop_ro("samples", &Field::samples)
         .def_prop_ro("largest_difference", &Field::largestDifference)
         .def("positions", &Field::positions)
+        .def("space_remark", &Field::spaceRemark, arg("xyz"))
         .def("apply", &Field::apply, arg("xyz"), arg("normals").none(), arg("threads"), arg("report").none())
         .def("linear", &Field::linear, arg("xyz"), arg("threads"), arg("report").none());
     nb::class_<Prepared>(module, "Prepared")

@@ -22,12 +22,12 @@ from ._sequence import AnimationInfo, FrameContact, KeyFrame, PoseSequence
 from ._straighten import LineInfo, Straightened, straighten
 from ._symmetrize import OtherSide, Symmetrized, SymmetryInfo, symmetrize
 from ._warnings import (AccuracyWarning, CompensationWarning, ContactWarning, DeformationWarning, FoldWarning, LandmarkWarning, LineWarning, MatchWarning,
-                        NodeWarning, NotAtRestWarning, NothingMovesWarning, OverruledWarning, RigidWarning, ScanLineWarning, SlitWarning, StretchWarning,
+                        NodeWarning, NotAtRestWarning, NothingMovesWarning, OverruledWarning, RigidWarning, ScanLineWarning, SlitWarning, SpaceWarning, StretchWarning,
                         SymmetryWarning, VolumeWarning)
 
 __all__ = ["AccuracyWarning", "AnimationInfo", "Companion", "Compensated", "CompensationInfo", "CompensationWarning", "Contact", "ContactWarning", "Curve", "Deformation",
            "DeformationWarning", "Deformer", "DisplacementGrid", "FitInfo", "FitStart", "Fitted", "Fitter",
            "FoldWarning", "FrameContact", "Graph", "KeyFrame", "LandmarkWarning", "LineInfo", "LineWarning", "Look", "MatchWarning", "MeshLike", "Motion",
            "NodeWarning", "NotAtRestWarning", "NothingMovesWarning", "OtherSide", "OverruledWarning", "Pose", "PoseInfo", "PoseSequence", "Progress", "RigidWarning",
-           "ScanLineWarning", "SlitWarning", "Straightened", "StretchWarning", "SurfaceInfo", "Symmetrized", "SymmetryInfo", "SymmetryWarning", "Transforms", "VERSIONS", "VolumeWarning", "Weights",
+           "ScanLineWarning", "SlitWarning", "SpaceWarning", "Straightened", "StretchWarning", "SurfaceInfo", "Symmetrized", "SymmetryInfo", "SymmetryWarning", "Transforms", "VERSIONS", "VolumeWarning", "Weights",
            "__version__", "compensate", "deform", "deform_layer", "deformation", "enable_pymeshlab", "fit", "read_curves", "straighten", "symmetrize"]

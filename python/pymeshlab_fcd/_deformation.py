@@ -16,6 +16,7 @@ from ._grid import Axes, DisplacementGrid, GridKind
 from ._inputs import Points
 from ._numbers import plain, shown, text
 from ._progress import Progress, report
+from ._warnings import SpaceWarning, warn
 
 
 class Deformation:
@@ -116,8 +117,15 @@ class Deformation:
         ------
         ValueError
             An argument has the wrong shape.
+
+        Warns
+        -----
+        SpaceWarning
+            The points lie far from the surface that was deformed, or are of other units.
         """
         rows = _inputs.rows("xyz", xyz, lent=True)
+        if remark := self._field.space_remark(rows):
+            warn([(SpaceWarning, remark)], 2)
         beside = None if normals is None else _inputs.rows("normals", normals, len(rows), "one for each point", lent=True)
         positions, turned = self._field.apply(rows, beside, _inputs.whole("threads", threads, 0, 1024), report(progress))
         return positions if turned is None else (positions, turned)

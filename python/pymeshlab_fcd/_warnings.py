@@ -58,6 +58,10 @@ class AccuracyWarning(DeformationWarning):
     """A saved deformation is less accurate than asked for."""
 
 
+class SpaceWarning(DeformationWarning):
+    """Points take a deformation far from the surface that was deformed, or in other units."""
+
+
 class MatchWarning(DeformationWarning):
     """Little of a surface has a counterpart on the other one."""
 

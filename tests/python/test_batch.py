@@ -223,6 +223,9 @@ def test_meshes_are_deformed_carried_straightened_and_told_of(tmp_path, capsys):
     assert main(["apply", str(tmp_path / "bent" / "deformations" / "a.ply"), *files, "--out", str(tmp_path / "carried")]) == 0
     off = float(table(tmp_path / "carried" / "apply.csv")[files[1]]["off_by"])
     assert abs(Ply(tmp_path / "carried" / "b.ply").vertices - pose.vertices).max() <= off * 1.0001 < 0.1
+    write_ply(tmp_path / "far.ply", vertices + [0, 5e6, 0], faces, tags)
+    assert main(["apply", str(tmp_path / "bent" / "deformations" / "a.ply"), str(tmp_path / "far.ply"), "--out", str(tmp_path / "far")]) == 0
+    assert "same place and units first" in table(tmp_path / "far" / "apply.csv")[str(tmp_path / "far.ply")]["warnings"]
     assert main(["straighten", *files, "--lines", str(tmp_path / "lines"), "--degrees", "90", "--out", str(tmp_path / "arc")]) == 0
     row = table(tmp_path / "arc" / "straighten.csv")[files[0]]
     assert float(row["length"]) == pytest.approx(10, abs=0.1) and row["is_middle"] == "False"

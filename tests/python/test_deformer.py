@@ -766,6 +766,21 @@ def test_a_pose_as_a_deformation(bent, tmp_path):
     assert pymeshlab_fcd.Deformation.load(tmp_path / "bend.ply") == made
 
 
+def test_points_far_from_what_was_deformed_are_told(bent):
+    bend, points = bent[1].deformation(), bar()[0]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        bend(points)
+        bend(points + [0, 0, 3])
+        bend(points / 50)  # a part of it may be so small
+        bend(points[:50] / 1000)
+        bend(np.full((200, 3), np.nan))
+    for elsewhere, word in ((points + [1e6, 0, 0], "apart"), (points * 1000, "across"), (np.r_[points / 1000, [[np.nan] * 3]], "across")):
+        with pytest.warns(pymeshlab_fcd.SpaceWarning, match=f"The points are .*{word}.*same place and units first") as told:
+            bend(elsewhere)
+        assert told[0].filename == __file__
+
+
 def test_a_deformation_is_as_exact_as_is_asked(bent, tmp_path):
     vertices, faces, tags, lift = bar(301, 45)
     pose, size = Deformer(vertices, faces, tags).pose({2: lift}), []

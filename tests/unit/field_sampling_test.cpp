@@ -191,6 +191,23 @@ TEST(FieldSampling, TellsWhatItCannotCarry) {
     EXPECT_GT(sampled.largest, 0.4);
 }
 
+// Samples lie on faces, so a vertex without one goes with the nearest face.
+TEST(FieldSampling, TellsOfVerticesWithoutAFace) {
+    Shape shape = Grid(9, 9);
+    shape.position.emplace_back(4, 4, 3);
+    const MeshD mesh(shape);
+    const Matrix3Xd rest = PositionsOf(mesh);
+    Matrix3Xd deformed = rest;
+    deformed.row(2).array() += 1;
+    const std::vector<Eigen::Matrix3f> linear(std::size_t(rest.cols()), Eigen::Matrix3f::Identity());
+    EXPECT_EQ(SampleField(Read(mesh), rest, deformed, linear).Warning(), "");
+    deformed.rightCols(1).array() += 1;
+    const SampledField sampled = SampleField(Read(mesh), rest, deformed, linear);
+    EXPECT_EQ(sampled.off, 0);
+    EXPECT_EQ(sampled.faceless, 1);
+    EXPECT_NE(sampled.Warning().find("1 vertices without a face are farther off than"), std::string::npos);
+}
+
 TEST(FieldSampling, IsTheSameForAnyNumberOfThreadsAndCanBeCancelled) {
     const SampledCase c(CaseOf(Tube(60, 100), [](const Vector3d &p) { return TubeTag(p); }));
     const FieldSamples one = c.Sample(c.Few(200, 50, 1e-3), Threads(1)).samples,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <vcg_ext/field/deformation_field.h>
 
+#include <sstream>
 #include <utility>
 
 namespace vcg::fcd {
@@ -30,6 +31,23 @@ Eigen::Vector3d DeformationField::operator()(const Eigen::Vector3d &p, Eigen::Ma
     if (linear)
         *linear = (Eigen::Matrix3d::Identity() + gradient).cast<float>();
     return displacement;
+}
+
+std::string SpaceRemark(const std::string &what, const Eigen::AlignedBox3d &here, const Eigen::AlignedBox3d &source,
+                        double smallest) {
+    if (here.isEmpty() || source.isEmpty())
+        return {};
+    const double size = here.diagonal().norm(), sourceSize = source.diagonal().norm(),
+                 gap = here.exteriorDistance(source);
+    const bool isFar = gap > sourceSize;
+    if (!isFar && size <= 10 * sourceSize && size >= smallest * sourceSize)
+        return {};
+    std::ostringstream text;
+    text << what << " " << size << " across and the source " << sourceSize;
+    if (isFar)
+        text << ", and they are " << gap << " apart";
+    text << ": a deformation means nothing so far from its source. Bring both to the same place and units first.";
+    return text.str();
 }
 
 } // namespace vcg::fcd

@@ -5,8 +5,10 @@
 #include <vcg_ext/surface/nearest_place.h>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <limits>
+#include <string>
 #include <vector>
 
 namespace vcg::fcd {
@@ -44,6 +46,12 @@ class DeformationField {
   private:
     const NearestPlace places;
 };
+
+/// A warning about points that lie far from a surface whose deformation they take, or are of other units; empty: none.
+/// \param what names them: "The points are" \param here, source boxes of both, world units \param smallest size of the
+/// points over that of the surface that is not too small; 0: they may be a small part of it
+std::string SpaceRemark(const std::string &what, const Eigen::AlignedBox3d &here, const Eigen::AlignedBox3d &source,
+                        double smallest);
 
 } // namespace vcg::fcd
 

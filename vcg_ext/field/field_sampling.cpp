@@ -75,14 +75,16 @@ void detail::FieldSampler::Compare(const DeformationField &field, SampledField &
                 error[i] = std::max(error[i], std::numeric_limits<float>::min());
         }
     });
-    result.off = result.stirred = 0;
+    result.off = result.stirred = result.faceless = 0;
     result.largest = 0;
     double sum = 0;
     std::size_t moving = 0;
     for (std::size_t i = 0; i < slotCount; ++i) {
         result.largest = std::max(result.largest, double(error[i]));
-        if (!counts[i])
+        if (!counts[i]) {
+            result.faceless += error[i] > result.accuracy;
             continue;
+        }
         if (Rests(i)) {
             result.stirred += error[i] > 0;
             continue;
@@ -188,17 +190,23 @@ Index Invert(std::vector<Eigen::Matrix3f> &linear) {
 }
 
 std::string SampledField::Warning() const {
-    if (off + stirred == 0)
+    if (off + stirred + faceless == 0)
         return "";
     std::ostringstream line;
-    if (off > 0)
-        line << off << " vertices are farther off than " << accuracy << ", up to " << largest
-             << (stirred > 0 ? " and " : "");
-    if (stirred > 0)
-        line << stirred << " vertices that rest move";
-    line
-        << ": parts at one place move differently there, or a million samples are not enough. If that matters, use the "
-           "graph layers (in Python, Pose.map).";
+    const auto tellFar = [&](Index count, const char *which) {
+        line << count << which << " are farther off than " << accuracy << ", up to " << largest;
+    };
+    if (off + stirred > 0) {
+        if (off > 0)
+            tellFar(off, " vertices");
+        if (stirred > 0)
+            line << (off > 0 ? " and " : "") << stirred << " vertices that rest move";
+        line << ": parts at one place move differently there, or a million samples are not enough.";
+    } else {
+        tellFar(faceless, " vertices without a face");
+        line << ": samples lie on faces.";
+    }
+    line << " If that matters, use the graph layers (in Python, Pose.map).";
     return line.str();
 }
 

@@ -30,6 +30,7 @@ struct SampledField {
     double largest = 0;  ///< error of all vertices; also samples.largestDifference
     Index off = 0;       ///< vertices beyond the accuracy: more samples did not help, or would be too many
     Index stirred = 0;   ///< vertices that rest, but move by these samples
+    Index faceless = 0;  ///< vertices without a face beyond the accuracy: samples lie on faces
     int rounds = 0;
 
     /// For a user: how many vertices are off or stirred, why, and what to do. Empty if none are.
