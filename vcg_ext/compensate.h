@@ -27,10 +27,12 @@ struct CompensateParam {
 
 /// How far the part was warped, and how it was changed. Lengths are in units of the vertices.
 struct CompensateReport {
-    double before = 0, left = 0;       ///< rms distance of the scan from the nominal surface laid onto it, where it is
-                                       ///< scanned: rigidly, and after the warp
-    double scanned = 0;                ///< share of the nominal surface that is matched, [0, 1]
-    double larger = 1;                 ///< the scan's size over that of the nominal part
+    double before = 0, left = 0; ///< rms distance of the scan from the nominal surface laid onto it, where it is
+                                 ///< scanned: rigidly, and after the warp
+    double doubt = 0;   ///< standard deviation of the warp where the part is not scanned, rms over all of it; 0 if less
+                        ///< than where it is
+    double scanned = 0; ///< share of the nominal surface that is matched, [0, 1]
+    double larger = 1;  ///< the scan's size over that of the nominal part
     double change = 0, changeMost = 0; ///< displacement of the vertices: rms, and the largest
     double missed = 0;                 ///< largest distance of the predicted print from the nominal vertices
     double rounding = 0;               ///< distances below this are rounding, not warp

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/elementary.h>
 #include <vcg_ext/compensate.h>
 #include <vcg_ext/fit/fit_matches.h>
 #include <vcg_ext/fit/fit_start.h>
@@ -198,6 +199,10 @@ Compensation::Compensation(const SurfaceView &nominal, const SurfaceView &scan, 
     report.left = std::sqrt(report.left / double(count)) * scale;
     report.before = std::sqrt(report.before / double(count)) * scale;
     report.scanned = double(count) / double(goal.place.size());
+    double there = 0; // the same where the part is scanned
+    for (std::size_t s = 0; s < lies.doubt.size(); ++s)
+        (lies.share[s] < 0.5 ? report.doubt : there) += detail::Squared(lies.doubt[s]) / double(lies.doubt.size());
+    report.doubt = report.doubt > there ? std::sqrt(report.doubt) * scale : 0;
     report.placed = toFrame.inverse() * placed * toFrame;
     report.rounding = 1e-12 * std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff());
     MakeVertices(nominal, box, progress.Slice(0.6, 1));
@@ -261,6 +266,10 @@ std::vector<std::string> CompensateReport::Warnings() const {
     } else if (larger > otherUnits && scanned < mostInOtherUnits) {
         line << "Only " << 100 * scanned << " percent of the nominal part have a counterpart on the scan."
              << UnitsOf(larger);
+        tell();
+    } else if (doubt > std::max(0.5 * before, rounding)) {
+        line << "The scan shows " << 100 * scanned << " percent of the nominal part: the rest is a guess, off by about "
+             << doubt << ", where the part is off by " << before << ". Scan more of it.";
         tell();
     }
     if (spacing > thickness / 2) {

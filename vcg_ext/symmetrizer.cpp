@@ -230,9 +230,8 @@ static SymmetricPose Follow(const Fitter &fitter, const SurfaceView &source, con
     for (Index j = 0; j < region.graph.Size(); ++j) {
         const Eigen::Vector3d at = plane(whole.position.col(j));
         const Eigen::Vector3d from = warp.Back(at, at);
-        const Eigen::Matrix3d linear = warp.LinearAt(from).inverse();
         whole.position.col(j) = plane(from);
-        whole.linear[j] = plane.Linear() * linear * plane.Linear() * whole.linear[j];
+        whole.linear[j] = plane.Linear() * warp.LinearBack(from) * plane.Linear() * whole.linear[j];
     }
     GraphPose half = HalfPose(region.graph, whole);
     if (!marks.vertex.empty()) {

@@ -45,6 +45,18 @@ def test_what_is_printed_comes_out_as_it_should(part):
     assert np.abs(made.map(nominal[:100]) - made.vertices[:100]).max() == 0 and "Compensated of" in repr(made)
 
 
+@pytest.mark.parametrize("kept, most, is_told", [(lambda p: p[:, 2] > 3.9, 0.9, True), (lambda p: p[:, 0] < 60, 0.6, False), (lambda p: p[:, 0] < 40, 0.9, True),
+                                                 (lambda p: np.hypot(p[:, 0] - 60, p[:, 1] - 30) > 20, 0.2, False)])
+def test_a_part_of_which_a_part_is_scanned_gets_no_worse(part, kept, most, is_told):
+    """The upper side alone, a half, a third, all but a hole."""
+    nominal, faces = part[:2]
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        made = compensate(nominal, faces, *scan(kept=kept))
+    assert rms(placed(warped(made.vertices), nominal) - nominal) < most * rms(placed(warped(nominal), nominal) - nominal)
+    assert [issubclass(each.category, CompensationWarning) and "the rest is a guess, off by about" in str(each.message) for each in told] == [True] * is_told
+
+
 def test_welded_or_not_and_any_number_of_threads(part):
     nominal, faces, _, made = part
     again = compensate(nominal, faces, *scan(), threads=1)

@@ -96,6 +96,18 @@ TEST(SmoothWarp, ComesBackAndKnowsItsSlope) {
     EXPECT_LT((warp.At(p + step) - warp.At(p) - warp.LinearAt(p) * step).norm(), 1e-11);
 }
 
+// x + x^2 / 4, scaled: it turns back at x = -2. What it never reaches stays where it is.
+TEST(SmoothWarp, StaysWhereItCannotComeBack) {
+    SmoothWarp warp(Eigen::Vector3d::Zero(), 1, 2);
+    warp.coefficient(0, 4) = 0.25;
+    const Eigen::Vector3d p(0.8, 0.1, 0.2), never(-1.2, 0, 0), fold(-2, 0, 0);
+    ASSERT_NEAR(warp.At(p)[0], 0.96, 1e-12);
+    EXPECT_LT((warp.Back(warp.At(p), warp.At(p)) - p).norm(), 1e-12);
+    EXPECT_EQ(warp.Back(never, never), never);
+    EXPECT_LT((warp.LinearBack(p) * warp.LinearAt(p) - Eigen::Matrix3d::Identity()).norm(), 1e-12);
+    EXPECT_EQ(warp.LinearBack(fold), Eigen::Matrix3d::Identity());
+}
+
 TEST(SmoothWarp, RestsWhereNoiseIsLeft) {
     // Places that stray as far as their neighbours are apart: matches with the nearest target go on changing.
     std::uint32_t state = 1;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <vcg_ext/base/elementary.h>
 #include <vcg_ext/base/point_tree.h>
 #include <vcg_ext/base/quantiles.h>
+#include <vcg_ext/warp/normal_equations.h>
 #include <vcg_ext/warp/smooth_warp.h>
 
 #include <Eigen/Dense>
@@ -8,6 +10,9 @@
 #include <cmath>
 
 namespace vcg::fcd {
+
+// An inverse that stretches by more is none: no shape is pressed so much.
+constexpr double mostStretched = 10;
 
 SmoothWarp::SmoothWarp(const Eigen::Vector3d &middle, double radius, int degree) : middle(middle), radius(radius) {
     for (int all = 0; all <= degree; ++all)
@@ -72,7 +77,14 @@ Eigen::Vector3d SmoothWarp::Back(const Eigen::Vector3d &p, const Eigen::Vector3d
         if (!(off.norm() > 1e-14))
             break;
     }
-    return x;
+    // Beyond a fold, Newton's method may end anywhere.
+    const double off = (At(near) - p).norm();
+    return (x - near).norm() <= mostStretched * off && (At(x) - p).norm() <= off ? x : near;
+}
+
+Eigen::Matrix3d SmoothWarp::LinearBack(const Eigen::Vector3d &p) const {
+    const Eigen::Matrix3d linear = LinearAt(p), back = linear.inverse();
+    return linear.determinant() > 0 && back.norm() <= mostStretched ? back : Eigen::Matrix3d::Identity();
 }
 
 namespace {
@@ -84,6 +96,9 @@ constexpr int mostSteps = 40; // of each degree; mostly, 10 to 20 are enough
 // The weight of a match along the surface, over that across it. At first it is larger, since the surface is shifted
 // along itself.
 constexpr double alongFirst = 0.1, along = 0.001;
+// Errors of a scan, and what of a warp is no polynomial, are alike over a tenth of the diagonal. So all matches of a
+// part tell as much as this number of independent ones.
+constexpr double independent = 100;
 // Cosines between two normals: below the first, sides differ; above the second, they agree.
 constexpr double anotherSide = 0.3, sameSide = 0.7;
 
@@ -127,39 +142,32 @@ void LeaveOutDetours(const std::vector<Eigen::Vector3d> &at, const std::vector<W
             share[s] = 0;
 }
 
-/// The sums of a least-squares problem in the coefficients of x, y and z.
-class NormalEquations {
-  public:
-    explicit NormalEquations(Eigen::Index n)
-        : n(n), matrix(Eigen::MatrixXd::Zero(3 * n, 3 * n)), right(Eigen::VectorXd::Zero(3 * n)) {}
-
-    /// Adds (C b - way)^T form (C b - way).
-    void Add(const Eigen::Matrix3d &form, const Eigen::VectorXd &b, const Eigen::Vector3d &offset) {
-        const Eigen::Vector3d pull = form * offset;
-        for (int i = 0; i < 3; ++i) {
-            for (int k = 0; k <= i; ++k)
-                for (Eigen::Index c = 0; c < n; ++c)
-                    matrix.col(k * n + c).segment(i * n, n) += (form(i, k) * b[c]) * b;
-            right.segment(i * n, n) += pull[i] * b;
-        }
+/// The standard deviations of a warp at places, by the equations of its last step. Rigid motions of all count as known.
+/// \param width of the noise \param basis, slope at the places
+std::vector<double> DoubtsOf(NormalEquations sums, double width, const std::vector<Eigen::VectorXd> &basis,
+                             const std::vector<Eigen::MatrixX3d> &slope) {
+    const Eigen::Index n = basis.front().size(), places = Eigen::Index(basis.size());
+    Eigen::MatrixXd all(n, places);
+    Eigen::MatrixX3d turn = Eigen::MatrixX3d::Zero(n, 3);
+    for (Eigen::Index s = 0; s < places; ++s) {
+        all.col(s) = basis[std::size_t(s)];
+        turn += slope[std::size_t(s)] / double(places);
     }
-    void AddBending(double weight, const Eigen::MatrixXd &square) {
-        for (int i = 0; i < 3; ++i)
-            matrix.block(i * n, i * n, n, n) += weight * square;
+    const double known = sums.Largest();
+    for (int i = 0; i < 3; ++i) {
+        Eigen::VectorXd shift = Eigen::VectorXd::Zero(3 * n), twist = shift;
+        shift.segment(i * n, n) = all.rowwise().mean();
+        twist.segment(i * n, n) = turn.col((i + 1) % 3);
+        twist.segment((i + 1) % 3 * n, n) = -turn.col(i);
+        sums.AddSquare(known, shift);
+        sums.AddSquare(known, twist);
     }
-    void Add(double weight, const Eigen::MatrixXd &square) { matrix += weight * square; }
-    Eigen::Matrix3Xd Solution() const {
-        Eigen::MatrixXd whole = matrix;
-        whole.diagonal().array() += 1e-12 * matrix.trace() / double(3 * n); // coefficients without data stay 0
-        const Eigen::VectorXd x = whole.selfadjointView<Eigen::Lower>().ldlt().solve(right);
-        return Eigen::Map<const Eigen::MatrixX3d>(x.data(), n, 3).transpose();
-    }
-
-  private:
-    Eigen::Index n;
-    Eigen::MatrixXd matrix; // its lower half
-    Eigen::VectorXd right;
-};
+    const Eigen::VectorXd variances = sums.Variances(all);
+    std::vector<double> doubts;
+    for (Eigen::Index s = 0; s < places; ++s)
+        doubts.push_back(width * std::sqrt(variances[s]));
+    return doubts;
+}
 
 } // namespace
 
@@ -188,11 +196,13 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *r
     std::vector<WarpMatch> match(places);
     std::vector<double> far(places), share(places), found; // share: weight of each match, without the robust one
     std::vector<double> off(goal.from.size());             // of landmarks, from where they belong
+    std::vector<Eigen::VectorXd> basis(places);
+    std::vector<Eigen::MatrixX3d> slope(places);
+    NormalEquations sums(0);
+    double width = 0, bends = 0; // bends: the warp of the last step, as typicalBending
     for (int degree = 1; degree <= goal.degree; ++degree) {
         warp = SmoothWarp(middle, radius, degree);
         const Eigen::Index n = warp.Size();
-        std::vector<Eigen::VectorXd> basis(places);
-        std::vector<Eigen::MatrixX3d> slope(places);
         Eigen::MatrixXd bending = Eigen::MatrixXd::Zero(n, n);
         for (std::size_t s = 0; s < places; ++s) {
             Eigen::Matrix<double, Eigen::Dynamic, 6> curvature;
@@ -225,15 +235,31 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *r
             for (std::size_t s = 0; s < places; ++s)
                 if (share[s] > 0)
                     found.push_back(far[s]);
-            const double width = std::max(2 * MedianOf(found), goal.noise);
-            NormalEquations sums(n);
+            const double left = 2 * MedianOf(found);
+            width = std::max(left, goal.noise);
+            // Maximum a posteriori: typical bending is as likely as noise of this width, and so is typical strain. In
+            // the first steps the width is larger, and the warp bends less. Once no match is an outlier for its
+            // distance alone, what is left is noise, or no polynomial: that is alike over parts of the surface.
+            const double together =
+                hasStrain ? std::max((1 - width / goal.expected) * double(found.size()) / independent, 1.0) : 1;
+            const auto prior = [&](double typical, double actual) {
+                return std::max(detail::Squared(width / typical),
+                                together * detail::Squared(left / std::max(typical, actual)));
+            };
+            const double ofBending = prior(goal.typicalBending, bends);
+            // A bend over half of the diagonal turns by bends / 2, which looks like a strain of half the square.
+            const double ofStrain = hasStrain ? prior(goal.typicalStrain, detail::Squared(bends) / 8) : 0;
+            // What slides along itself is held by its strain; the matches, which go along, get a tenth of that.
+            const double slides =
+                0.3 * ofStrain / detail::Squared(radius) / double(std::max<std::size_t>(found.size(), 1));
+            sums = NormalEquations(n);
             double counted = 0;
             for (std::size_t s = 0; s < places; ++s) {
                 if (!(share[s] > 0))
                     continue;
                 const double weight = share[s] * RobustWeight(far[s] / std::max(width, goal.expected));
                 counted += weight;
-                const double beside = degree == 1 ? alongFirst : along;
+                const double beside = degree == 1 ? alongFirst : hasStrain ? std::min(along, slides) : along;
                 Eigen::Matrix3d form = Eigen::Matrix3d::Identity();
                 if (HasSides(normal[s], match[s])) {
                     const Eigen::Vector3d mean =
@@ -249,12 +275,12 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *r
                 sums.Add((degree == 1 ? 1 : RobustWeight(off[l] / usual)) * goal.landmarkWeight *
                              std::max(counted, 1.0) / double(goal.from.size()) * Eigen::Matrix3d::Identity(),
                          warp.Basis(goal.from[l]), goal.to[l] - goal.from[l]);
-            // Maximum a posteriori: typical bending is as likely as noise of this width, and so is typical strain. In
-            // the first steps the width is larger, and the warp bends less.
-            sums.AddBending(width * width / (goal.typicalBending * goal.typicalBending), bending);
+            sums.AddBending(ofBending, bending);
             if (hasStrain)
-                sums.Add(width * width / (goal.typicalStrain * goal.typicalStrain), strain);
+                sums.Add(ofStrain, strain);
             warp.coefficient = sums.Solution();
+            if (hasStrain)
+                bends = std::sqrt((warp.coefficient * bending * warp.coefficient.transpose()).trace());
             for (std::size_t l = 0; l < goal.from.size(); ++l)
                 off[l] = (warp.At(goal.from[l]) - goal.to[l]).norm();
             double moved = 0;
@@ -271,7 +297,9 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *r
         }
     }
     if (report)
-        *report = {MisfitOf(far, share), MisfitOf(far, share, 1), std::move(share)};
+        *report = {MisfitOf(far, share), MisfitOf(far, share, 1), std::move(share), {}};
+    if (report && std::isfinite(goal.typicalStrain))
+        report->doubt = DoubtsOf(std::move(sums), width, basis, slope);
     return warp;
 }
 

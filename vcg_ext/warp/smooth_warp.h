@@ -22,8 +22,10 @@ class SmoothWarp {
 
     Eigen::Vector3d At(const Eigen::Vector3d &p) const;
     Eigen::Matrix3d LinearAt(const Eigen::Vector3d &p) const; ///< its derivative
-    /// The inverse, by Newton's method. \param near a first guess
+    /// The inverse, by Newton's method. \param near a first guess; the result where the warp has no inverse near it
     Eigen::Vector3d Back(const Eigen::Vector3d &p, const Eigen::Vector3d &near) const;
+    /// The derivative of the inverse, at At(p); the identity where there is none, as at a fold.
+    Eigen::Matrix3d LinearBack(const Eigen::Vector3d &p) const;
 
     /// b at a point. \param slope if not null, out: first derivatives, Size() x 3 \param curvature if not null, out:
     /// second derivatives by xx, yy, zz, xy, yz, zx
@@ -76,6 +78,8 @@ struct WarpGoal {
 struct WarpReport {
     double misfit = 0, misfitOfAll = 0; ///< by MisfitOf; of all that have a counterpart
     std::vector<double> share;          ///< weight of each place's match, [0, 1]
+    /// With a typicalStrain: standard deviation of the warp at each place, but for a rigid motion of all.
+    std::vector<double> doubt;
 };
 
 /// Finds the warp that takes places onto their counterparts, from stiff (degree 1) to soft. Each step matches anew, and
