@@ -1250,13 +1250,14 @@ def test_the_wheel_takes_a_joint_nearer_to_the_mouse(window, tmp_path):
     w, points, faces, body = open_figure(window, tmp_path, mode=None)
     upper, hand = np.abs(points[:, 0] - 0.25) < 0.03, points[:, 0] > 0.8
     place = X + 200, Y - 80
-    shapes = []
+    shapes, seen = [], [w.seen()]
     for name, turns in (("root", ()), ("nearer", (5, 5)), ("back", (5, 5, 4, 4))):
         w.press_and_move((X + 230, Y), place)
         assert w.said().startswith("Handle 2: turn the limb by") and "; wheel: another joint" in w.said()
         for button in turns:
             w.do("click", button)
         w.shot(name)
+        seen.append(w.seen()) # the mouse has not moved since
         w.do("mouseup", 1)
         shapes.append(load(w.save(name + ".ply"))[0])
         w.key("ctrl+z")
@@ -1266,6 +1267,17 @@ def test_the_wheel_takes_a_joint_nearer_to_the_mouse(window, tmp_path):
     assert np.linalg.norm((nearer - points)[upper], axis=1).mean() < 0.01
     assert turned_by(points[hand], nearer[hand]) > turned_by(points[hand], root[hand]) + 5 # it is shorter
     assert np.abs(back - root).max() < 1e-4
+    changed = lambda k: np.count_nonzero(np.abs(seen[3] - seen[k]).sum(2) > 60)
+    assert changed(1) < 0.2 * changed(0)
+
+
+def test_what_is_fixed_bounds_a_drag_without_a_handle(window, tmp_path):
+    w, points, *_ = open_figure(window, tmp_path, mode=None)
+    w.key("t", "f")
+    w.click((X - 200, Y))
+    w.key("v")
+    w.do("mousemove", X + 230, Y)
+    assert w.said().startswith("Drag a point: all that is not fixed bends."), w.said()
 
 
 def bent_arm():

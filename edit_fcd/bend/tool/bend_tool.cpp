@@ -69,7 +69,9 @@ void BendTool::expectSeen() const {
 void BendTool::drawOverlay() const {
     const BendDrag *drag = this->drag();
     const bool isBending = panel && panel->isBending() && !isSuspended && !(going && going->isEndedByAll());
-    drawPoints(*session, drag, isBending && !drag ? hovered : 0);
+    if (going && panel && !isSuspended)
+        going->draw();
+    drawPoints(*session, isBending && !drag ? hovered : 0);
     if (!panel || isSuspended)
         return;
     if (panel->mode() == BendPanel::Line)
@@ -85,8 +87,6 @@ void BendTool::drawOverlay() const {
         const Eigen::Vector2d place = windowOf(*view, seen, at).head<2>();
         drawBrush(seen, place, panel->brush() * view->devicePixelRatioF());
     }
-    if (going)
-        going->draw();
 }
 
 // --- texts of the panel ---
@@ -133,8 +133,9 @@ QString BendTool::stateText() const {
     else if (isReading)
         text = "Reading the surface: in a moment you see what a drag moves.";
     else if (session->model().influence.handles().empty() && !isLimbForeseen)
-        text = session->state().marks ? "Mark a handle (red), then drag it."
-                                      : "Drag a point of the surface, or mark what stays (F) and what moves (H).";
+        text = session->state().marks
+                   ? "Drag a point: all that is not fixed bends. Or mark a handle (red), and drag that."
+                   : "Drag a point of the surface, or mark what stays (F) and what moves (H).";
     else if (lit && !(isLimbForeseen && lit->axis < 0))
         text = nameOf(selected()) +
                (lit->axis < 0

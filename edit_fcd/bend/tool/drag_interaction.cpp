@@ -108,15 +108,21 @@ void DragInteraction::beginPrepared() {
         stage.requestStep();
 }
 
-/// Shows what turns, and how much the surface bends. (For a pull, the tool draws points.)
+/// The handles whose surroundings bend; 0: none.
+std::vector<int> DragInteraction::turning() const {
+    const BendModel &model = stage.session->model();
+    return {now->tag, mirrored(model, now->tag), first, first ? mirrored(model, first) : 0};
+}
+
+/// Shows what turns, and how much the surface bends. (For a pull, draw() shows it.)
 void DragInteraction::showInfluence() {
     const BendModel &model = stage.session->model();
     const int tag = first ? first : now->tag; // all that moves is of its extent
-    MarkColors::Extents turning;
+    MarkColors::Extents extents;
     for (const int each : {tag, mirrored(model, tag)})
         if (isGrip(model.state, each))
-            turning.push_back(valueOr(model.influence.extents, each)); // null ones are ignored
-    stage.colors->preview(std::move(turning));
+            extents.push_back(valueOr(model.influence.extents, each)); // null ones are ignored
+    stage.colors->preview(std::move(extents));
     stage.showOverlay();
 }
 
@@ -287,6 +293,8 @@ bool DragInteraction::turnWheel(double steps) {
         return stroke.has_value();
     if (now->kind == BendDrag::Limb) {
         changeJoint(steps);
+        if (now)
+            stage.requestStep(); // begun again: the limb follows before the mouse moves on
         return true;
     }
     BendSession &session = *stage.session;

@@ -43,6 +43,7 @@ class DragInteraction : public BendInteraction {
     void showStroke(BendStroke &drawn);
     void endStroke();
     void beginPrepared();
+    std::vector<int> turning() const;
     void showInfluence();
     void placePivot();
     void changeKind(BendDrag::Kind kind);

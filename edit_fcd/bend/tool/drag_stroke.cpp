@@ -55,6 +55,8 @@ void DragInteraction::endStroke() {
 }
 
 void DragInteraction::draw() const {
+    if (now && stage.session->model().influence.isLocal)
+        drawBending(*stage.session, turning());
     if (!stroke)
         return;
     Eigen::Matrix3Xd line(3, 2);

@@ -7,6 +7,7 @@
 
 #include <layer_fcd/edit_host.h>
 
+#include <algorithm>
 #include <cmath>
 
 const int arrowPixels = 60, ringPixels = 42; // small: the surface below is visible, and can be hit
@@ -47,19 +48,28 @@ std::optional<GizmoPart> gizmoAt(const Camera &view, const Gizmo &gizmo, const E
     return hit;
 }
 
-void drawPoints(const BendSession &session, const BendDrag *drag, int lit) {
+void drawBending(const BendSession &session, const std::vector<int> &turning) {
     const FlatDrawing flat;
-    if (session.model().influence.isLocal && drag) { // some vertices that bend
-        const BendTags &tags = session.tags();
-        glPointSize(2);
-        glColor3ub(240, 197, 60);
-        glBegin(GL_POINTS);
-        const std::size_t some = tags.size() / 20000 + 1;
-        for (std::size_t i = 0; i < tags.size(); i += some)
-            if (tags[i] == 1)
-                put(session.positionOf(i));
-        glEnd();
-    }
+    const BendTags &tags = session.tags();
+    const std::size_t some = tags.size() / 20000 + 1;
+    glPointSize(2);
+    glColor3ub(240, 197, 60);
+    glBegin(GL_POINTS);
+    const auto draw = [&](std::size_t slot) {
+        if (slot % some == 0 && tags[slot] == 1)
+            put(session.positionOf(slot));
+    };
+    for (const int tag : turning)
+        if (const auto extent = valueOr(session.model().influence.extents, tag))
+            std::for_each(extent->around.begin(), extent->around.end(), draw);
+        else if (tag) // the only handle: all that bends is of it
+            for (std::size_t i = 0; i < tags.size(); i += some)
+                draw(i);
+    glEnd();
+}
+
+void drawPoints(const BendSession &session, int lit) {
+    const FlatDrawing flat;
     for (const auto &point : session.state().points)
         if (!handleOf(session.state(), point.first).isHidden) {
             glColor3ub(210, 60, 50);

@@ -5,6 +5,8 @@
 #include "edit_fcd/bend/tool/drag.h"
 #include "edit_fcd/bend/model/session.h"
 
+#include <vector>
+
 const float dotPixels = 9; ///< size of a point handle's dot
 
 /// A part of a handle's gizmo: the ball in the middle, an arrow along an axis, or a ring that turns about it.
@@ -24,8 +26,10 @@ struct Gizmo {
 /// The part of the gizmo at \p window.
 std::optional<GizmoPart> gizmoAt(const Camera &view, const Gizmo &gizmo, const Eigen::Vector2d &window);
 
-/// Draws point handles with their reach over all else. \param drag may be null \param lit highlighted handle, 0: none
-void drawPoints(const BendSession &session, const BendDrag *drag, int lit);
+/// Draws point handles over all else. \param lit highlighted handle, 0: none
+void drawPoints(const BendSession &session, int lit);
+/// Draws some of the vertices that bend with handles. \param turning their tags; 0 is ignored
+void drawBending(const BendSession &session, const std::vector<int> &turning);
 /// Draws a pivot.
 void drawPivot(const Eigen::Vector3d &place);
 /// Draws the gizmo. \param drag may be null \param lit highlighted part
