@@ -113,7 +113,7 @@ Handles readHandles(const MeshModel &layer, const Point3m *rest, const HandlePar
     tellOfTags(layer, param, handles.tag, remark);
     handles.world = invertibleMatrixOf(layer);
     if (!param.pointFile.isEmpty())
-        handles.point = readPointHandles(layer, rest, param.pointFile, {}, remark);
+        handles.point = readPointHandles(layer, rest, param.pointFile, remark);
     return handles;
 }
 

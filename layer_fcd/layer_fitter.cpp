@@ -21,15 +21,6 @@ using vcg::fcd::Landmark;
 using vcg::fcd::Progress;
 using vcg::fcd::SurfaceView;
 
-static std::vector<Landmark> readLandmarks(const MeshModel &layer, const Point3m *rest, const Handles &handles,
-                                           const QString &file, const QString &targets, const Remark &remark) {
-    std::vector<Landmark> landmarks;
-    if (!file.isEmpty() || !targets.isEmpty())
-        for (const vcg::fcd::PointHandle &point : readPointHandles(layer, rest, file, targets, remark))
-            landmarks.push_back({point.vertex, handles.world * point.target});
-    return landmarks;
-}
-
 LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam &asked, const Remark &remark,
                    const Progress &progress, const Point3m *rest, const Point3m *restNormal)
     : param([&] {
@@ -57,9 +48,13 @@ LayerFit::LayerFit(MeshDocument &document, MeshModel &layer, const FitMeshParam 
         !mayHaveTags(layer))
         remark("The quality of " + name + " is a measure, not tags, so nothing is held.");
     handles = readHandles(layer, rest, param.handles, remark);
-    landmarks = readLandmarks(layer, rest, handles, param.landmarkFile, param.targetFile, remark);
+    const auto read = [&](const QString &file, const QString &targets) {
+        return file.isEmpty() && targets.isEmpty() ? std::vector<Landmark>()
+                                                   : readLandmarks(layer, rest, file, targets, remark);
+    };
+    landmarks = read(param.landmarkFile, param.targetFile);
     landmarks.insert(landmarks.end(), param.landmarks.begin(), param.landmarks.end());
-    checks = readLandmarks(layer, rest, handles, param.checkFile, param.checkTargetFile, remark);
+    checks = read(param.checkFile, param.checkTargetFile);
     if (param.landmarksOnly && landmarks.empty())
         throw Error("There are no landmarks to follow. Give a file with some as 'landmarks_file'.");
     if (!param.curveFile.isEmpty() && param.landmarksOnly)
@@ -128,7 +123,7 @@ FittedSurface LayerFit::solve(bool measured, const Progress &progress) && {
     result.position = view.Copy();
     vcg::fcd::CarryPose(view, normal, handles, deformer, param.fit, progress.Slice(0.8, 0.85), result);
     fitter->PutLandmarks(landmarks, result.position);
-    fitted.check = fitter->Residuals(checks, result.position);
+    fitted.check = fitter->Residuals(checks, result.pose, result.position);
     if (measured && !target)
         target = fitter->Prepare(goal);
     if (measured)

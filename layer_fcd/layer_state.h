@@ -87,9 +87,13 @@ struct FitPair {
     std::string name;
     std::optional<std::size_t> slot;      ///< of a vertex of the layer that is fitted
     std::optional<Eigen::Vector3d> place; ///< on the target, world units
+    /// From the vertex to the landmark at rest, layer units; not 0 only for places that were read from a file.
+    Eigen::Vector3d offset = Eigen::Vector3d::Zero();
 
     bool isWhole() const { return slot && place; }
-    bool operator==(const FitPair &o) const { return name == o.name && slot == o.slot && place == o.place; }
+    bool operator==(const FitPair &o) const {
+        return name == o.name && slot == o.slot && place == o.place && offset == o.offset;
+    }
 };
 
 /// The shape of a layer that is fitted: at rest, by its landmarks, or pulled onto the target.

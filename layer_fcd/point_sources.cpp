@@ -13,6 +13,7 @@
 
 using vcg::fcd::Error;
 using vcg::fcd::Index;
+using vcg::fcd::Landmark;
 using vcg::fcd::PointHandle;
 using vcg::fcd::PointPair;
 
@@ -67,6 +68,11 @@ std::size_t VertexFinder::nearestTo(const Eigen::Vector3d &point, std::size_t nu
     return slot[nearest];
 }
 
+Eigen::Vector3d VertexFinder::beside(std::size_t vertex, const Eigen::Vector3d &point) const {
+    const Eigen::Vector3d off = point - world * at(vertex);
+    return off.norm() > 1e-6 * size ? off : Eigen::Vector3d::Zero();
+}
+
 void VertexFinder::tellFar(const QString &file, const Remark &remark) {
     if (remark && !strays.empty()) {
         std::ostringstream text;
@@ -86,24 +92,28 @@ std::vector<PointPair> readPointPairs(const MeshModel &layer, const QString &fil
     return readPairs(file, QString(), mostBytes(layer, 1000));
 }
 
-std::vector<PointHandle> readPointHandles(const MeshModel &layer, const Point3m *rest, const QString &file,
-                                          const QString &targets, const Remark &remark) {
+std::vector<Landmark> readLandmarks(const MeshModel &layer, const Point3m *rest, const QString &file,
+                                    const QString &targets, const Remark &remark) {
     const std::vector<PointPair> pairs = readPairs(file, targets, mostBytes(layer, 1000));
     VertexFinder vertices(layer, rest);
-    const Eigen::Affine3d toLayer = vertices.world.inverse();
-    std::vector<PointHandle> handles;
-    for (const PointPair &pair : pairs) {
-        PointHandle handle;
-        handle.target = toLayer * pair.target;
+    std::vector<Landmark> landmarks;
+    for (const PointPair &pair : pairs)
         if (pair.vertex >= 0) {
-            handle.vertex = vertices.numbered(pair.vertex, file);
+            landmarks.push_back({vertices.numbered(pair.vertex, file), pair.target});
         } else {
-            handle.vertex = vertices.nearestTo(pair.start, handles.size());
-            handle.target += vertices.at(handle.vertex) - toLayer * pair.start;
+            const std::size_t vertex = vertices.nearestTo(pair.start, landmarks.size());
+            landmarks.push_back({vertex, pair.target, vertices.beside(vertex, pair.start)});
         }
-        handles.push_back(handle);
-    }
     vertices.tellFar(file, remark);
+    return landmarks;
+}
+
+std::vector<PointHandle> readPointHandles(const MeshModel &layer, const Point3m *rest, const QString &file,
+                                          const Remark &remark) {
+    const Eigen::Affine3d toLayer = invertibleMatrixOf(layer).inverse();
+    std::vector<PointHandle> handles;
+    for (const Landmark &each : readLandmarks(layer, rest, file, QString(), remark))
+        handles.push_back({each.vertex, toLayer * each.target - toLayer.linear() * each.offset});
     return handles;
 }
 

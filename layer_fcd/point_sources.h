@@ -4,6 +4,7 @@
 
 // Before Qt, whose macros (slots, emit, ...) are common words.
 #include <vcg_ext/base/point_tree.h>
+#include <vcg_ext/fit.h>
 #include <vcg_ext/handles/handle_file.h>
 #include <vcg_ext/handles/handles.h>
 
@@ -25,6 +26,8 @@ class VertexFinder {
     /// The slot of the vertex nearest to \p point, world units. \param number of the point in its file, from 0
     /// \throw vcg::fcd::Error no vertex has finite coordinates
     std::size_t nearestTo(const Eigen::Vector3d &point, std::size_t number);
+    /// From a vertex to \p point, which nearestTo got; world units. 0 if they differ by rounding of a file.
+    Eigen::Vector3d beside(std::size_t vertex, const Eigen::Vector3d &point) const;
     /// The position of a vertex, layer units.
     Eigen::Vector3d at(std::size_t slot) const { return toVector(rest ? rest[slot] : layer.cm.vert[slot].cP()); }
 
@@ -46,17 +49,21 @@ class VertexFinder {
     double farthest = 0;
 };
 
-/// Point handles of \p layer from a file in world coordinates: MeshLab's picked points (.pp), in pairs of start and
-/// target, or a list (vcg::fcd::ReadPointHandleFile). A start that is no vertex stands for the vertex nearest to it,
-/// which moves as the start does.
+/// Landmarks of \p layer from a file in world coordinates: MeshLab's picked points (.pp), in pairs of start and target,
+/// or a list (vcg::fcd::ReadPointHandleFile). A start that is no vertex goes with the vertex nearest to it.
 /// \param rest positions per vertex slot; null: the layer is at rest
 /// \param targets picked points of the other layer, paired with those of \p file by name; may be empty
 /// \param remark is told starts that are far from the layer
 /// \throw vcg::fcd::Error the file cannot be read, or names a vertex that does not exist
-std::vector<vcg::fcd::PointHandle> readPointHandles(const MeshModel &layer, const Point3m *rest, const QString &file,
-                                                    const QString &targets = QString(), const Remark &remark = {});
+std::vector<vcg::fcd::Landmark> readLandmarks(const MeshModel &layer, const Point3m *rest, const QString &file,
+                                              const QString &targets = QString(), const Remark &remark = {});
 
-/// The pairs of such a file, unchanged. \throw as readPointHandles
+/// Point handles from such a file. A start that is no vertex stands for the vertex nearest to it, which moves as the
+/// start does. Parameters and errors as readLandmarks.
+std::vector<vcg::fcd::PointHandle> readPointHandles(const MeshModel &layer, const Point3m *rest, const QString &file,
+                                                    const Remark &remark = {});
+
+/// The pairs of such a file, unchanged. \throw as readLandmarks
 std::vector<vcg::fcd::PointPair> readPointPairs(const MeshModel &layer, const QString &file);
 
 /// The points of the line that the edges of \p layer form, 3 x n, world units.

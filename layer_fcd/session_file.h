@@ -30,7 +30,8 @@
 ///                            has the pose of that text, not the shape that the pose begins from; "matrix": of the
 ///                            layer, column by column}
 ///       "pairs"              of FCD: Fit: [{"name"; "vertex": its number among the live ones, "place": on the
-///                            target, world units, 3; each only if that end is set}, ...]
+///                            target, world units, 3; each only if that end is set; "offset": from the vertex to
+///                            the landmark at rest, layer units, 3, if it is no vertex}, ...]
 ///       "fit"                options of FCD: Fit: {"stiffness", "start", "largest_distance", "weights",
 ///                            "target_weights": as in FitOptions, enumerations by their numbers; "target": name of
 ///                            the layer that it is fitted to, or ""; "curves": file with curves, or ""; "painted":

@@ -225,9 +225,11 @@ QCborArray arrayOf(const std::vector<FitPair> &pairs, const LiveVertices &live) 
         QCborMap map{{QString("name"), QString::fromStdString(pair.name)}};
         if (pair.slot && !live.mesh.vert[*pair.slot].IsD())
             map.insert(QString("vertex"), qint64(live.numberOf(*pair.slot)));
+        const auto numbers = [](const Eigen::Vector3d &p) { return arrayOf(std::vector<double>{p[0], p[1], p[2]}); };
         if (pair.place)
-            map.insert(QString("place"),
-                       arrayOf(std::vector<double>(pair.place->data(), pair.place->data() + pair.place->size())));
+            map.insert(QString("place"), numbers(*pair.place));
+        if (!pair.offset.isZero(0))
+            map.insert(QString("offset"), numbers(pair.offset));
         array.append(map);
     }
     return array;
@@ -262,6 +264,8 @@ static std::vector<FitPair> pairsOf(const Reader &from, const char *key, const L
             pair.slot = liveSlot[std::size_t(each.whole("vertex", int(liveSlot.size()) - 1))];
         if (each.has("place"))
             pair.place = Eigen::Map<const Eigen::Vector3d>(each.array<double>("place", 3, 1).data());
+        if (each.has("offset"))
+            pair.offset = Eigen::Map<const Eigen::Vector3d>(each.array<double>("offset", 3, 1).data());
     }
     return pairs;
 }

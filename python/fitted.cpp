@@ -61,10 +61,11 @@ nb::object rowsOf(const std::vector<Eigen::Vector3d> &points) {
     return rows;
 }
 
-std::vector<Landmark> landmarksOf(const Fitting::Numbers &points, const Rows &places) {
+std::vector<Landmark> landmarksOf(const Fitting::Pairs &pairs) {
+    const auto &[points, places, offsets] = pairs;
     std::vector<Landmark> landmarks;
     for (std::size_t k = 0; k < points.shape(0); ++k)
-        landmarks.push_back({std::size_t(points.data()[k]), rowOf(places.data(), k)});
+        landmarks.push_back({std::size_t(points.data()[k]), rowOf(places.data(), k), rowOf(offsets.data(), k)});
     return landmarks;
 }
 
@@ -128,8 +129,7 @@ nb::list Fitting::along(const std::vector<FileCurve> &curves, const nb::object &
     return all;
 }
 
-nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows &places, bool leaveOneOut,
-                       const nb::object &report) const {
+nb::tuple Fitting::fit(const nb::dict &given, const Pairs &pairs, bool leaveOneOut, const nb::object &report) const {
     const bool isAlone = given.empty();
     std::optional<Rows> vertices, normals;
     std::optional<Corners> faces;
@@ -154,7 +154,7 @@ nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows 
     vcg::fcd::SurfacePose pose;
     const vcg::fcd::Stopwatch watch;
     Listener::Run(report, prepared->threads, [&](const Progress &progress) {
-        const std::vector<Landmark> landmarks = landmarksOf(points, places);
+        const std::vector<Landmark> landmarks = landmarksOf(pairs);
         if (!isAlone)
             goal.surface.Validate(progress.Slice(0, 0.02));
         const auto target = isAlone ? fitter->TargetOf(landmarks) : fitter->Prepare(goal, progress.Slice(0.02, 0.3));
@@ -176,7 +176,7 @@ nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows 
     all["leave_one_out"] = nb::tuple(nb::cast(leftOut));
     all["counted"] = found.counted;
     all["carried"] = found.carried;
-    all["landmarks"] = points.shape(0);
+    all["landmarks"] = std::get<0>(pairs).shape(0);
     all["landmark_residual"] = found.landmarks;
     all["curve_residual"] = found.curves;
     all["landmark_pull"] = found.pull;
@@ -197,9 +197,16 @@ nb::tuple Fitting::fit(const nb::dict &given, const Numbers &points, const Rows 
     return nb::make_tuple(std::make_unique<Posed>(prepared, std::move(pose), watch.Seconds()), all);
 }
 
-void Fitting::put(const Numbers &points, const Rows &places, const Written &vertices) const {
+void Fitting::put(const Pairs &landmarks, const Written &vertices) const {
     expectRows(vertices, prepared->view.vertexSlots);
     const nb::gil_scoped_release release;
-    fitter->PutLandmarks(landmarksOf(points, places),
+    fitter->PutLandmarks(landmarksOf(landmarks),
                          Eigen::Map<Eigen::Matrix3Xd>(vertices.data(), 3, Eigen::Index(vertices.shape(0))));
+}
+
+std::vector<double> Fitting::residuals(const Posed &posed, const Pairs &checks, const Rows &vertices) const {
+    expectRows(vertices, prepared->view.vertexSlots);
+    const nb::gil_scoped_release release;
+    const Eigen::Map<const Eigen::Matrix3Xd> position(vertices.data(), 3, Eigen::Index(vertices.shape(0)));
+    return fitter->Residuals(landmarksOf(checks), posed.solved(), position);
 }

@@ -25,6 +25,8 @@ class Fitting {
   public:
     using Numbers = Given<std::int64_t, nb::ndim<1>>;
     using Weights = Given<double, nb::ndim<1>>;
+    /// Landmarks: numbers of vertices, targets, and the vectors from the vertices to the landmarks at rest.
+    using Pairs = std::tuple<Numbers, Rows, Rows>;
 
     /// \param tags one per vertex
     /// \param motions of tags, as steps for ReadMotionText \param normals of vertices; those of a cloud tell its sides
@@ -34,10 +36,9 @@ class Fitting {
             const nb::dict &param, unsigned threads, const nb::object &report);
 
     /// Fits the surface. \param goal by name: vertices, faces (or None), normals (or None), weights (or None), curves
-    /// (vertices and corners of each); empty for landmarks only \param points vertices of the landmarks \param places
-    /// their targets \param leaveOneOut also fits without each landmark \return the pose, and the report
-    nb::tuple fit(const nb::dict &goal, const Numbers &points, const Rows &places, bool leaveOneOut,
-                  const nb::object &report) const;
+    /// (vertices and corners of each); empty for landmarks only \param leaveOneOut also fits without each
+    /// landmark \return the pose, and the report
+    nb::tuple fit(const nb::dict &goal, const Pairs &landmarks, bool leaveOneOut, const nb::object &report) const;
 
     /// For each curve of \ref readCurves: the numbers of the vertices along the source's line, and the vector from each
     /// to its place there.
@@ -51,7 +52,10 @@ class Fitting {
                          const std::optional<Weights> &weights, const nb::object &report) const;
 
     /// Puts landmarks exactly into the vertices of a pose.
-    void put(const Numbers &points, const Rows &places, const Written &vertices) const;
+    void put(const Pairs &landmarks, const Written &vertices) const;
+
+    /// As vcg::fcd::Fitter::Residuals. \param vertices of the pose
+    std::vector<double> residuals(const Posed &posed, const Pairs &checks, const Rows &vertices) const;
 
     std::shared_ptr<Prepared> prepared; ///< of the fitter
 

@@ -136,12 +136,12 @@ NB_MODULE(_core, module) {
              arg("vertices"), arg("faces").none(), arg("tags"), arg("motions"), arg("normals").none(), arg("param"),
              arg("threads"), arg("report").none())
         .def_ro("prepared", &Fitting::prepared)
-        .def("fit", &Fitting::fit, arg("goal"), arg("points"), arg("places"), arg("leave_one_out"),
-             arg("report").none())
+        .def("fit", &Fitting::fit, arg("goal"), arg("landmarks"), arg("leave_one_out"), arg("report").none())
         .def("along", &Fitting::along, arg("curves"), arg("report").none())
         .def("symmetrize", &Fitting::symmetrize, arg("goal"), arg("normals").none(), arg("weights").none(),
              arg("report").none())
-        .def("put", &Fitting::put, arg("points"), arg("places"), arg("vertices"));
+        .def("put", &Fitting::put, arg("landmarks"), arg("vertices"))
+        .def("residuals", &Fitting::residuals, arg("posed"), arg("checks"), arg("vertices"));
     nb::class_<Compensating>(module, "Compensating")
         .def(nb::init<const Rows &, const std::optional<Corners> &, const Rows &, const std::optional<Corners> &,
                       const std::optional<Rows> &, const nb::dict &, unsigned, const nb::object &>(),

@@ -52,6 +52,7 @@ class Posed {
     /// The positions of the graph's nodes, and their linear maps.
     nb::tuple nodes() const;
     nb::dict info() const;
+    const vcg::fcd::SurfacePose &solved() const { return pose; }
     /// As Deformer::DiscretisationError; solves a second graph.
     double discretisationError(const nb::object &report) const;
     /// The pose without the surface, for pickles.

@@ -187,6 +187,11 @@ def test_what_stays_of_a_fit(window, tmp_path):
     w.click(w.place("clear"))
     answer(w, "load", "Load pairs", str(picked))
     assert save_pairs(w, "from_picked.csv").read_bytes() == saved.read_bytes()
+    beside = points[vertices] + [0.004, 0, 0.001] # places between vertices stay what they are
+    (tmp_path / "beside.csv").write_text("".join(f"{a}, {b}, {c}, {d}, {e}, {f}\n" for a, b, c, d, e, f in np.hstack([beside, places])))
+    answer(w, "load", "Load pairs", str(tmp_path / "beside.csv"))
+    kept = [np.array(line.partition("#")[0].split(","), float) for line in save_pairs(w, "kept.csv").read_text().splitlines()[1:]]
+    assert np.abs(kept - np.hstack([beside, places])).max() < 1e-6
 
 
 @the_dialogs_are_those_of_2020

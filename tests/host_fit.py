@@ -499,6 +499,28 @@ def test_a_layer_that_lies_elsewhere(tmp_path, start, scale):
         assert result["rms"] < 0.003 * DIAGONAL
 
 
+@pytest.mark.parametrize("start, scale", [("Rigid, from landmarks", 1), ("Rigid and scaled, from landmarks", 0.001)])
+def test_places_between_vertices_turn_and_grow_with_the_surface(tmp_path, start, scale):
+    """As landmarks, and as pairs to check."""
+    points, faces = tube()
+    there = PLACED.copy()
+    there[:3, :3] *= scale / 2
+
+    def pairs(name, vertices):
+        places = points[vertices] + 0.4 * (points[vertices + 1] - points[vertices])
+        np.savetxt(tmp_path / name, np.hstack([places, places @ there[:3, :3].T + there[:3, 3]]), "%.17g", ",")
+        return str(tmp_path / name)
+
+    truth = points @ there[:3, :3].T + there[:3, 3]
+    chosen = np.arange(5, len(points), len(points) // 8)
+    ms = pymeshlab.MeshSet()
+    ms.add_mesh(mesh_of(truth, faces), "target")
+    ms.add_mesh(mesh_of(points, faces), "source")
+    result, made = fit(ms, target_layer=0, start=start, landmarks_file=pairs("a.csv", chosen), check_file=pairs("b.csv", chosen + 11), **FEW)
+    assert np.abs(made - truth)[chosen].max() < 1e-4 * scale * DIAGONAL
+    assert 0 < result["check_largest"] < 1e-3 * scale * DIAGONAL
+
+
 @pytest.mark.parametrize("first, second, word", [
     ({"a": (0, 0, 0), "b": (1, 0, 0)}, {"a": (0, 0, 0)}, "of which 1 have the same names"),
     ({"a": (0, 0, 0)}, None, "where both files are picked points")])

@@ -29,7 +29,9 @@ struct FitPlacement;
 /// A pair of landmarks.
 struct Landmark {
     std::size_t vertex;     ///< slot of a vertex of the source
-    Eigen::Vector3d target; ///< its counterpart, world units
+    Eigen::Vector3d target; ///< the landmark's counterpart, world units
+    /// From the vertex to the landmark at rest, world units; turns and stretches with the surface at the vertex.
+    Eigen::Vector3d offset = Eigen::Vector3d::Zero();
 };
 
 /// The target of a fit.
@@ -193,7 +195,8 @@ class Fitter {
 
     /// Distances of landmarks from their targets in a pose, world units, for landmarks that were not given to the fit.
     /// \param position 3 x vertex slots, mesh units: of the pose \throw BadInput no vertex, or a target not finite
-    std::vector<double> Residuals(const std::vector<Landmark> &pair, const PositionsRef &position) const;
+    std::vector<double> Residuals(const std::vector<Landmark> &pair, const Deformer::Pose &pose,
+                                  const PositionsRef &position) const;
 
     /// The distance of each vertex slot from the target, world units, and whether it lies on it by \p report of the
     /// fit; 0 and false for deleted ones. Vertices of weight 0, and those of carried parts, never lie on it. \param
@@ -204,8 +207,8 @@ class Fitter {
     const Deformer &Surface() const { return *deformer; }
 
     /// Moves vertices with landmarks, and others at the same position, exactly onto the targets, where the pose has
-    /// them in single precision. Landmarks that the pose does not meet stay. \param position in, out: 3 x vertex slots,
-    /// mesh units: of the pose
+    /// them in single precision. Landmarks beside their vertices, or that the pose does not meet, stay. \param position
+    /// in, out: 3 x vertex slots, mesh units: of the pose
     void PutLandmarks(const std::vector<Landmark> &landmark, Eigen::Ref<Eigen::Matrix3Xd> position) const;
 
   private:
@@ -214,7 +217,9 @@ class Fitter {
     FitSamples Matched(const RegionPose &pose) const;
     Eigen::Affine3d ToFrame(const Eigen::Affine3d &world) const;
     Eigen::Affine3d Start(const FitTarget &target, const FitSamples &samples, std::size_t matched,
-                          const std::vector<Eigen::Vector3d> &place, FitReport &report, unsigned threads) const;
+                          const std::vector<Landmark> &landmark, const std::vector<Eigen::Vector3d> &place,
+                          FitReport &report, unsigned threads) const;
+    Eigen::Vector3d OffsetOf(const Landmark &landmark) const;
     bool IsAllFree() const;
     bool MayBegin(const FitReport &report, bool isLed) const; // from another start
     bool FollowsAlone() const;                                // landmarks only: nothing is matched

@@ -7,6 +7,7 @@
 #include <vcg_ext/fit/fit_matches.h>
 #include <vcg_ext/fit/fit_start.h>
 #include <vcg_ext/fit/fit_target.h>
+#include <vcg_ext/map/carrier.h>
 
 #include <algorithm>
 #include <cmath>
@@ -108,6 +109,11 @@ std::shared_ptr<const FitTarget> Fitter::Prepare(const FitGoal &goal, const Prog
     return target;
 }
 
+/// From the node of its vertex, frame units.
+Eigen::Vector3d Fitter::OffsetOf(const Landmark &landmark) const {
+    return ToFrame(Eigen::Affine3d::Identity()).linear() * landmark.offset;
+}
+
 /// Adds a sample for each landmark. \return their targets, frame units
 std::vector<Eigen::Vector3d> Fitter::Lead(const std::vector<Landmark> &landmark, const RegionPose &pose,
                                           FitSamples &samples) const {
@@ -115,9 +121,10 @@ std::vector<Eigen::Vector3d> Fitter::Lead(const std::vector<Landmark> &landmark,
     const RegionDeformer &region = deformer->Whole();
     std::vector<Eigen::Vector3d> place;
     for (const Landmark &each : landmark) {
-        if (each.vertex >= source.vertexSlots || source.IsDeleted(each.vertex) || !each.target.allFinite())
+        if (each.vertex >= source.vertexSlots || source.IsDeleted(each.vertex) || !each.target.allFinite() ||
+            !each.offset.allFinite())
             throw BadInput("Landmark " + std::to_string(place.size() + 1) +
-                           " is at no vertex, or its target is not finite.");
+                           " is at no vertex, or it or its target is not finite.");
         const Index node = deformer->nodeOf[each.vertex];
         place.push_back(region.surface.frame.ToFrame(handles.world.inverse() * each.target));
         if (node < 0 || region.held.tag[node] != 1)
@@ -129,7 +136,7 @@ std::vector<Eigen::Vector3d> Fitter::Lead(const std::vector<Landmark> &landmark,
         if (!taken.insert(node).second)
             throw BadInput("Landmark " + std::to_string(place.size()) +
                            " is at the place of another one. Leave one of the two out.");
-        samples.Add(region, pose, node);
+        samples.Add(region, pose, node, OffsetOf(each));
     }
     return place;
 }
@@ -158,20 +165,33 @@ std::vector<double> Fitter::LeaveOneOut(const FitTarget &target, const std::vect
         FitReport report;
         const Deformer::Pose pose = Solve(target, others, report, progress.Slice(double(l) / n, (double(l) + 1) / n));
         FitSamples mark;
-        mark.Add(region, pose.region[0], deformer->nodeOf[landmark[l].vertex]);
+        mark.Add(region, pose.region[0], deformer->nodeOf[landmark[l].vertex], OffsetOf(landmark[l]));
         const Eigen::Vector3d place = frame.ToFrame(handles.world.inverse() * landmark[l].target);
         off.push_back((mark.At(0, pose.region[0].solved) - place).norm() * frame.scale);
     }
     return off;
 }
 
-std::vector<double> Fitter::Residuals(const std::vector<Landmark> &pair, const PositionsRef &position) const {
-    std::vector<double> off;
+std::vector<double> Fitter::Residuals(const std::vector<Landmark> &pair, const Deformer::Pose &pose,
+                                      const PositionsRef &position) const {
+    std::vector<SurfacePlace> at;
+    std::vector<Eigen::Vector3d> rest, displacement;
     for (const Landmark &each : pair) {
-        if (each.vertex >= source.vertexSlots || source.IsDeleted(each.vertex) || !each.target.allFinite())
-            throw BadInput("Pair " + std::to_string(off.size()) +
-                           " of those to check, counted from 0, is at no vertex, or its target is not finite.");
-        off.push_back((handles.world * position.col(Eigen::Index(each.vertex)) - each.target).stableNorm());
+        if (each.vertex >= source.vertexSlots || source.IsDeleted(each.vertex) || !each.target.allFinite() ||
+            !each.offset.allFinite())
+            throw BadInput("Pair " + std::to_string(at.size()) +
+                           " of those to check, counted from 0, is at no vertex, or it or its target is not finite.");
+        at.push_back(SurfacePlace::AtVertex(Index(each.vertex)));
+        rest.push_back(source.At(each.vertex));
+    }
+    std::vector<Eigen::Matrix3f> linear(pair.size(), Eigen::Matrix3f::Identity());
+    if (std::any_of(pair.begin(), pair.end(), [](const Landmark &each) { return !each.offset.isZero(0); }))
+        Carrier(*deformer, pose).Displacements(at, rest, displacement, linear);
+    std::vector<double> off;
+    for (std::size_t k = 0; k < pair.size(); ++k) {
+        const Eigen::Vector3d beside = linear[k].cast<double>() * (handles.world.linear().inverse() * pair[k].offset);
+        off.push_back(
+            (handles.world * (position.col(Eigen::Index(pair[k].vertex)) + beside) - pair[k].target).stableNorm());
     }
     return off;
 }
@@ -247,7 +267,8 @@ void Fitter::Arrive(const FitSamples &drawn, std::size_t first, const std::vecto
 }
 
 Eigen::Affine3d Fitter::Start(const FitTarget &target, const FitSamples &samples, std::size_t matched,
-                              const std::vector<Eigen::Vector3d> &place, FitReport &report, unsigned threads) const {
+                              const std::vector<Landmark> &landmark, const std::vector<Eigen::Vector3d> &place,
+                              FitReport &report, unsigned threads) const {
     if (!IsAllFree())
         throw BadInput(
             "A start cannot move the surface while vertices are fixed or handles: start from where the layers lie.");
@@ -256,6 +277,8 @@ Eigen::Affine3d Fitter::Start(const FitTarget &target, const FitSamples &samples
     const auto &node = samples.surfaceNode;
     for (std::size_t s = byAxes ? 0 : matched; s < (byAxes ? matched : matched + place.size()); ++s)
         from.emplace_back(deformer->Whole().surface.graph.position.col(node[s]).cast<double>());
+    for (std::size_t l = 0; l < landmark.size() && !byAxes; ++l)
+        from[l] += OffsetOf(landmark[l]);
     if (report.fromAfar)
         return StartFromAfar(from, sampleNormal, target, threads, report.isSureFromAfar);
     if (byAxes)
@@ -269,6 +292,8 @@ void Fitter::PutLandmarks(const std::vector<Landmark> &landmark, Eigen::Ref<Eige
     const double rounding = 1e-5 * deformer->Whole().surface.frame.scale;
     std::map<Index, Eigen::Vector3d> at;
     for (const Landmark &each : landmark) {
+        if (each.offset.stableNorm() > rounding)
+            continue;
         const Eigen::Vector3d target = handles.world.inverse() * each.target;
         const Eigen::Vector3d off = target - position.col(Eigen::Index(each.vertex));
         if (Eigen::Vector3d(handles.world.linear() * off).stableNorm() <= rounding)

@@ -54,7 +54,7 @@ Fitter::Run::Run(const Fitter &fitter, const FitTarget &target, const std::vecto
     if (!isAlone)
         fitter.Judge(target, PlacementOf(samples.Places(matched, graph), target, threads), isLed, report);
     if (param.start != FitStart::AsItLies || report.fromAfar)
-        start = Moved(graph, fitter.Start(target, drawn, matched, place, report, threads));
+        start = Moved(graph, fitter.Start(target, drawn, matched, landmark, place, report, threads));
     graph = start;
 }
 

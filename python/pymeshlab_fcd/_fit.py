@@ -17,7 +17,6 @@ from ._deformer import Deformer, Plan, Transforms
 from ._inputs import Points
 from ._kept import Unchanging
 from ._meshes import MeshLike
-from ._numbers import lengths
 from ._pose import Pose, PoseInfo
 from ._progress import Progress, Report, report, shared
 from ._warnings import FoldWarning, LandmarkWarning, MatchWarning, NotAtRestWarning, Told, triangles_turned, warn
@@ -274,7 +273,7 @@ class Fitter(Unchanging):
         target_faces : array_like, optional
             m x 3 numbers of its vertices; None: a cloud, or what the mesh has.
         landmarks : Sequence[array_like], optional
-            Two arrays: numbers of free vertices (or places, which stand for the nearest vertices), and the points of the target where they
+            Two arrays: numbers of free vertices (or places, which go with the nearest vertices), and the points of the target where they
             belong. They end there exactly, or within `landmark_tolerance`.
         target_normals : array_like, optional
             k x 3, of a cloud: they tell its sides apart.
@@ -320,16 +319,15 @@ class Fitter(Unchanging):
     def _fit(self, target: object, faces: object, landmarks: Sequence[ArrayLike] | None, normals: ArrayLike | None,
              weights: ArrayLike | None, check: Sequence[ArrayLike] | None, leave_one_out: bool,
              curves: Curve | Sequence[Curve | Sequence[ArrayLike]] | None, told: Progress, level: int) -> Fitted:
-        points, places = self._pairs("landmarks", landmarks)
-        judges, judged = self._pairs("check", check)
+        pairs, checks = self._pairs("landmarks", landmarks), self._pairs("check", check)
         lines = self._curves(curves, report(told, 0, 5))
         if self._alone and lines:
             raise ValueError("curves lie on a target: give that, and leave landmarks_only out")
-        if self._alone and len(points) == 0:
+        if self._alone and len(pairs[0]) == 0:
             raise ValueError("there are no landmarks to follow; give some as landmarks, or leave landmarks_only out")
         goal = {} if self._alone else {**self._goal(target, faces, normals, weights), "curves": lines}
         fitting = self._deformer._fitting
-        solved, found = fitting.fit(goal, points, places, _inputs.flag("leave_one_out", leave_one_out), report(told, 5, 70))
+        solved, found = fitting.fit(goal, pairs, _inputs.flag("leave_one_out", leave_one_out), report(told, 5, 70))
         found["alone"] = self._alone
         if found["matched"] == 0 and not self._alone:
             known = " ".join(found["landmark_remarks"] + found["target_remarks"])
@@ -337,8 +335,8 @@ class Fitter(Unchanging):
                              f"landmarks or axes, or raise largest_distance or largest_angle{known and '. ' + known}")
         made = Fitted(self._deformer, solved)
         made._report = found
-        made._write(None, None, report(told, 70, 90), lambda vertices: fitting.put(points, places, vertices))
-        found["check"] = tuple(lengths(made.vertices[judges] - judged).tolist())
+        made._write(None, None, report(told, 70, 90), lambda vertices: fitting.put(pairs, vertices))
+        found["check"] = tuple(fitting.residuals(solved, checks, made.vertices))
         warn(made._words(made._check(report(told, 90, 100))["folded"]), level)
         made._warn_of_contact(level + 1)
         return made
@@ -353,10 +351,10 @@ class Fitter(Unchanging):
         return {"vertices": positions, "faces": corners, "weights": _inputs.weights(weights, len(positions), "target_weights"),
                 "normals": None if normals is None else _inputs.normals(normals, len(positions), "target_normals")}
 
-    def _pairs(self, name: str, pairs: Sequence[ArrayLike] | None) -> tuple[NDArray[np.int64], Points]:
-        """Numbers of vertices, and their targets."""
+    def _pairs(self, name: str, pairs: Sequence[ArrayLike] | None) -> tuple[NDArray[np.int64], Points, Points]:
+        """Numbers of vertices, the targets, and the vectors from the vertices to the landmarks."""
         if pairs is None:
-            return np.zeros(0, np.int64), np.zeros((0, 3))
+            return np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros((0, 3))
         if not isinstance(pairs, (tuple, list)) or len(pairs) != 2:
             raise TypeError(f"{name} must be a pair: (numbers of vertices or places, k x 3 points where they belong)")
         vertices = self._deformer.vertices
@@ -364,10 +362,10 @@ class Fitter(Unchanging):
         second = f"the second of {name}"
         places = _inputs.finite(second, _inputs.rows(second, pairs[1], len(given), "one for each of the first"))
         if given.ndim == 1:
-            return np.asarray(given, np.int64), places
+            return np.asarray(given, np.int64), places, np.zeros_like(places)
         starts = np.asarray(given, np.float64)
         points = self._nearest(starts)
-        return points, places + (vertices[points] - starts)  # the vertex goes as far as the place that it is nearest to
+        return points, places, starts - vertices[points]
 
     def _nearest(self, places: Points) -> NDArray[np.int64]:
         return _core.nearest_vertices(self._deformer.vertices, places, self._deformer._threads, None)

@@ -849,13 +849,45 @@ TEST(Fit, TellsHowFarLandmarksAreWithoutThemselves) {
     const Fitted without = Fit(source, target, Small(), {}, {landmark[0]});
     ASSERT_EQ(off.size(), 2u);
     EXPECT_NEAR(off[1], (without.position.col(800) - landmark[1].target).norm(), 1e-4);
-    EXPECT_DOUBLE_EQ(fitter.Residuals(landmark, without.position)[1],
+    FitReport report;
+    const Deformer::Pose pose = fitter.Solve(*prepared, {landmark[0]}, report);
+    EXPECT_DOUBLE_EQ(fitter.Residuals(landmark, pose, without.position)[1],
                      (without.position.col(800) - landmark[1].target).norm());
     ExpectError(
         [&] {
-            fitter.Residuals({{999999, Vector3d::Zero()}}, without.position);
+            fitter.Residuals({{999999, Vector3d::Zero()}}, pose, without.position);
         },
         "Pair 0 of those to check, counted from 0, is at no vertex");
+}
+
+// The target lies turned, and is three times as large.
+TEST(Fit, LandmarksBesideVerticesTurnAndGrowWithTheSurface) {
+    const Eigen::Affine3d there =
+        Eigen::Translation3d(20, -5, 3) * Eigen::Scaling(3.0) * Eigen::AngleAxisd(2, Vector3d(1, 2, -1).normalized());
+    const MeshD from(source);
+    const Arrays arrays = Read(from);
+    Handles handles;
+    handles.tag.assign(source.position.size(), 1);
+    FitParam param = Small().LandmarksAlone();
+    param.start = FitStart::Similar;
+    const Fitter fitter(arrays.View(), {}, handles, param);
+    std::vector<Landmark> landmark;
+    for (const std::size_t i : {45u, 70u, 300u, 500u, 640u, 910u}) {
+        const Vector3d place = 0.6 * source.position[i] + 0.4 * source.position[i + 41];
+        landmark.push_back({i, there * place, place - source.position[i]});
+    }
+    FitReport report;
+    const Deformer::Pose pose = fitter.Solve(*fitter.TargetOf(landmark), landmark, report);
+    Matrix3Xd position = arrays.View().Copy();
+    Carrier(fitter.Surface(), pose).Apply(position);
+    const Matrix3Xd mapped = position;
+    fitter.PutLandmarks(landmark, position);
+    EXPECT_EQ(position, mapped) << "no vertex is at a landmark";
+    for (std::size_t i = 0; i < source.position.size(); ++i)
+        ASSERT_LT((position.col(Eigen::Index(i)) - there * source.position[i]).norm(), 1e-4) << i;
+    for (const double off : fitter.Residuals(landmark, pose, position))
+        EXPECT_LT(off, 1e-4);
+    EXPECT_LT(fitter.LeaveOneOut(*fitter.TargetOf(landmark), landmark)[2], 1e-4);
 }
 
 // A ball on the sheet has no counterpart: it moves with the place where it sits, though parts of it are near enough to

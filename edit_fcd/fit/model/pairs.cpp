@@ -76,20 +76,26 @@ std::vector<std::string> namesIn(const QString &file, bool isOfPairs) {
     return names;
 }
 
+std::string inNumbers(const Eigen::Vector3d &place) {
+    using vcg::fcd::detail::ToText;
+    return ToText(place[0]) + ", " + ToText(place[1]) + ", " + ToText(place[2]);
+}
+
 } // namespace
 
 std::vector<FitPair> loadPairs(const MeshModel &layer, const Point3m *rest, const QStringList &files) {
     QString own = files[0], other = files.size() == 2 ? files[1] : QString();
     if (isPicked(own) && isPicked(other) && farFrom(layer, rest, other) < farFrom(layer, rest, own))
         std::swap(own, other);
-    const std::vector<vcg::fcd::PointHandle> read = readPointHandles(layer, rest, own, other);
+    const std::vector<vcg::fcd::Landmark> read = readLandmarks(layer, rest, own, other);
     std::vector<std::string> names = namesIn(own, other.isEmpty());
     names.resize(read.size());
-    const Eigen::Affine3d world = invertibleMatrixOf(layer);
+    const Eigen::Matrix3d toLayer = invertibleMatrixOf(layer).linear().inverse();
     std::vector<FitPair> pairs;
     pairs.reserve(read.size());
     for (std::size_t i = 0; i < read.size(); ++i)
-        pairs.push_back({names[i].empty() ? std::to_string(i + 1) : names[i], read[i].vertex, world * read[i].target});
+        pairs.push_back({names[i].empty() ? std::to_string(i + 1) : names[i], read[i].vertex, read[i].target,
+                         toLayer * read[i].offset});
     return pairs;
 }
 
@@ -103,13 +109,14 @@ void savePairs(const MeshModel &layer, const Point3m *rest, const std::vector<Fi
         if (!each.slot || !each.place)
             continue; // never: expectSavable()
         const std::size_t slot = *each.slot;
-        const Eigen::Vector3d place = *each.place;
-        points.emplace_back(each.name, world * toVector(rest[slot]));
+        const Eigen::Vector3d start = world * (toVector(rest[slot]) + each.offset), place = *each.place;
+        points.emplace_back(each.name, start);
         points.emplace_back(each.name, place);
-        list += vcg::fcd::detail::ToText(std::lower_bound(live.begin(), live.end(), slot) - live.begin());
-        for (int d = 0; d < 3; ++d)
-            list += ", " + vcg::fcd::detail::ToText(place[d]);
-        list += " # " + each.name + "\n";
+        if (each.offset.isZero(0))
+            list += vcg::fcd::detail::ToText(std::lower_bound(live.begin(), live.end(), slot) - live.begin());
+        else
+            list += inNumbers(start);
+        list += ", " + inNumbers(place) + " # " + each.name + "\n";
     }
     saveFiles({{file, isPicked(file) ? pickedPointsText(points).toStdString() : list}});
 }
@@ -134,7 +141,7 @@ void addPair(std::vector<FitPair> &pairs, std::size_t slot) {
     };
     while (isTaken(std::to_string(number)))
         ++number;
-    pairs.push_back({std::to_string(number), {}, {}});
+    pairs.emplace_back().name = std::to_string(number);
     try {
         setSource(pairs, pairs.size() - 1, slot);
     } catch (...) {
@@ -150,6 +157,7 @@ void setSource(std::vector<FitPair> &pairs, std::size_t pair, std::size_t slot) 
                         "' is at that vertex already. Drag its point elsewhere, or "
                         "click another place.");
     pairs[pair].slot = slot;
+    pairs[pair].offset.setZero();
 }
 
 std::shared_ptr<const FitLines> loadLines(const MeshModel &layer, const Point3m *rest, const std::string &file) {

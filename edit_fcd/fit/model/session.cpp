@@ -146,8 +146,8 @@ void FitSession::setPairs(std::vector<FitPair> pairs) {
 std::vector<vcg::fcd::Landmark> FitSession::landmarks() const {
     std::vector<vcg::fcd::Landmark> landmarks;
     for (const FitPair &each : now.pairs)
-        if (each.slot && each.place) // rounded as by the filter, which stores places in layer units
-            landmarks.push_back({*each.slot, rest.world() * (rest.world().inverse() * *each.place)});
+        if (each.slot && each.place)
+            landmarks.push_back({*each.slot, *each.place, rest.world().linear() * each.offset});
     return landmarks;
 }
 
@@ -234,11 +234,13 @@ void FitSession::finishPull(const MeshModel &target, std::shared_ptr<const Fitte
 }
 
 const FittedSurface *FitSession::pulled(const MeshModel &target) const {
-    const bool isThat =
-        lastPull && now.shape == FitShape::Pulled && pulledOnto == target.id() && pulledFrom.options == now.options &&
-        pulledFrom.lines == now.lines && pulledFrom.pairs.size() == now.pairs.size() && hasPulledWeights(target) &&
-        std::equal(now.pairs.begin(), now.pairs.end(), pulledFrom.pairs.begin(),
-                   [](const FitPair &a, const FitPair &b) { return a.slot == b.slot && a.place == b.place; });
+    const bool isThat = lastPull && now.shape == FitShape::Pulled && pulledOnto == target.id() &&
+                        pulledFrom.options == now.options && pulledFrom.lines == now.lines &&
+                        pulledFrom.pairs.size() == now.pairs.size() && hasPulledWeights(target) &&
+                        std::equal(now.pairs.begin(), now.pairs.end(), pulledFrom.pairs.begin(),
+                                   [](const FitPair &a, const FitPair &b) {
+                                       return a.slot == b.slot && a.place == b.place && a.offset == b.offset;
+                                   });
     return isThat ? lastPull.get() : nullptr;
 }
 
