@@ -1273,10 +1273,11 @@ def test_the_wheel_takes_a_joint_nearer_to_the_mouse(window, tmp_path):
 
 def test_what_is_fixed_bounds_a_drag_without_a_handle(window, tmp_path):
     w, points, *_ = open_figure(window, tmp_path, mode=None)
-    w.key("t", "f")
-    w.click((X - 200, Y))
-    w.key("v")
+    w.key("v", "t", "f")
+    w.drag((X - 280, Y - 100), (X - 150, Y + 100))
+    w.key("d")
     w.do("mousemove", X + 230, Y)
+    w.shot("fixed")
     assert w.said().startswith("Drag a point: all that is not fixed bends."), w.said()
 
 

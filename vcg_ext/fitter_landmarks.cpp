@@ -182,7 +182,7 @@ std::vector<double> Fitter::Residuals(const std::vector<Landmark> &pair, const D
             throw BadInput("Pair " + std::to_string(at.size()) +
                            " of those to check, counted from 0, is at no vertex, or it or its target is not finite.");
         at.push_back(SurfacePlace::AtVertex(Index(each.vertex)));
-        rest.push_back(source.At(each.vertex));
+        rest.emplace_back(source.At(each.vertex));
     }
     std::vector<Eigen::Matrix3f> linear(pair.size(), Eigen::Matrix3f::Identity());
     if (std::any_of(pair.begin(), pair.end(), [](const Landmark &each) { return !each.offset.isZero(0); }))

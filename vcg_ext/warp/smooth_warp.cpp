@@ -163,9 +163,9 @@ std::vector<double> DoubtsOf(NormalEquations sums, double width, const std::vect
         sums.AddSquare(known, twist);
     }
     const Eigen::VectorXd variances = sums.Variances(all);
-    std::vector<double> doubts;
+    std::vector<double> doubts(basis.size());
     for (Eigen::Index s = 0; s < places; ++s)
-        doubts.push_back(width * std::sqrt(variances[s]));
+        doubts[std::size_t(s)] = width * std::sqrt(variances[s]);
     return doubts;
 }
 
