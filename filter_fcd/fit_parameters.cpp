@@ -117,7 +117,7 @@ void ask(Fields &fields, FitMeshParam &param) {
         "Pairs of points that belong together, in world coordinates. A list has a line for each pair: <i>vertex, x, y, "
         "z</i> (number of the vertex of the current layer, from 0, and place on the target) or <i>x, y, z, x, y, z</i> "
         "(place on the current layer, place on the target). Commas, semicolons or blanks separate them; # begins a "
-        "comment. Picked points (.pp) alternate source and target. A place stands for the vertex nearest to it. "
+        "comment. Picked points (.pp) alternate source and target. A place between vertices goes with the nearest one. "
         "<b>Empty</b> (the default): none. Give some where limbs lie far from where they belong.");
     fields.openFile("target_landmarks_file", param.targetFile, Shown::Always, {"*.pp"}, "Target's picked points (.pp)",
                     "The same points on the target, with the same names, if the landmark file has picked points of the "
