@@ -235,7 +235,7 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *r
             for (std::size_t s = 0; s < places; ++s)
                 if (share[s] > 0)
                     found.push_back(far[s]);
-            const double left = 2 * MedianOf(found);
+            const double left = std::max(2 * MedianOf(found), leastNoise);
             width = std::max(left, goal.noise);
             // Maximum a posteriori: typical bending is as likely as noise of this width, and so is typical strain. In
             // the first steps the width is larger, and the warp bends less. Once no match is an outlier for its

@@ -55,6 +55,8 @@ struct WarpMatch {
     double weight = 1;                                ///< [0, 1]
 };
 
+constexpr double leastNoise = 1e-5; ///< of any data, in units of the diagonal: a tenth of the error of a good fit
+
 /// The data of a fit: places on a surface, and their counterparts. Lengths in units of its diagonal.
 struct WarpGoal {
     std::vector<Eigen::Vector3d> place, normal; ///< normals of length 1, or 0
@@ -69,7 +71,7 @@ struct WarpGoal {
     double typicalStrain =
         std::numeric_limits<double>::infinity();               ///< expected change of lengths, a fraction; the same
     double farthest = std::numeric_limits<double>::infinity(); ///< farther matches do not count
-    double noise = 1e-5;                                       ///< least noise that is assumed
+    double noise = leastNoise;                                 ///< least noise that is assumed
     double rest = 0;     ///< a step at rest moves places by at most this times the misfit
     double expected = 0; ///< least distance at which a match may be an outlier
 };
