@@ -274,7 +274,7 @@ class Fitter(Unchanging):
             m x 3 numbers of its vertices; None: a cloud, or what the mesh has.
         landmarks : Sequence[array_like], optional
             Two arrays: numbers of free vertices (or places, which go with the nearest vertices), and the points of the target where they
-            belong. They end there exactly, or within `landmark_tolerance`.
+            belong. Vertices end there exactly, places to about 1e-6 of the diagonal; or all within `landmark_tolerance`.
         target_normals : array_like, optional
             k x 3, of a cloud: they tell its sides apart.
         target_weights : array_like, optional
