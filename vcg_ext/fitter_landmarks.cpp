@@ -175,7 +175,7 @@ std::vector<double> Fitter::LeaveOneOut(const FitTarget &target, const std::vect
 std::vector<double> Fitter::Residuals(const std::vector<Landmark> &pair, const Deformer::Pose &pose,
                                       const PositionsRef &position) const {
     std::vector<SurfacePlace> at;
-    std::vector<Eigen::Vector3d> rest, displacement;
+    std::vector<Eigen::Vector3d> rest;
     for (const Landmark &each : pair) {
         if (each.vertex >= source.vertexSlots || source.IsDeleted(each.vertex) || !each.target.allFinite() ||
             !each.offset.allFinite())
@@ -185,8 +185,10 @@ std::vector<double> Fitter::Residuals(const std::vector<Landmark> &pair, const D
         rest.emplace_back(source.At(each.vertex));
     }
     std::vector<Eigen::Matrix3f> linear(pair.size(), Eigen::Matrix3f::Identity());
-    if (std::any_of(pair.begin(), pair.end(), [](const Landmark &each) { return !each.offset.isZero(0); }))
+    if (std::any_of(pair.begin(), pair.end(), [](const Landmark &each) { return !each.offset.isZero(0); })) {
+        std::vector<Eigen::Vector3d> displacement;
         Carrier(*deformer, pose).Displacements(at, rest, displacement, linear);
+    }
     std::vector<double> off;
     for (std::size_t k = 0; k < pair.size(); ++k) {
         const Eigen::Vector3d beside = linear[k].cast<double>() * (handles.world.linear().inverse() * pair[k].offset);
