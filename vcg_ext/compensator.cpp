@@ -242,7 +242,7 @@ Eigen::Vector3d Compensation::operator()(const Eigen::Vector3d &p) const {
 }
 
 Eigen::Matrix3d Compensation::LinearAt(const Eigen::Vector3d &made) const {
-    return warp.LinearAt((made - middle) / scale).inverse() * placed.linear();
+    return warp.LinearBack((made - middle) / scale) * placed.linear();
 }
 
 Eigen::Vector3d Compensation::Predicted(const Eigen::Vector3d &p) const {

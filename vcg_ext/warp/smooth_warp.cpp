@@ -71,15 +71,17 @@ Eigen::Matrix3d SmoothWarp::LinearAt(const Eigen::Vector3d &p) const {
 
 Eigen::Vector3d SmoothWarp::Back(const Eigen::Vector3d &p, const Eigen::Vector3d &near) const {
     Eigen::Vector3d x = near;
+    double first = 0;                       // how far At(near) is off
     for (int step = 0; step < 20; ++step) { // each step doubles the correct digits
         const Eigen::Vector3d off = At(x) - p;
+        if (step == 0)
+            first = off.norm();
         x -= LinearAt(x).partialPivLu().solve(off);
         if (!(off.norm() > 1e-14))
             break;
     }
     // Beyond a fold, Newton's method may end anywhere.
-    const double off = (At(near) - p).norm();
-    return (x - near).norm() <= mostStretched * off && (At(x) - p).norm() <= off ? x : near;
+    return (x - near).norm() <= mostStretched * first && (At(x) - p).norm() <= first ? x : near;
 }
 
 Eigen::Matrix3d SmoothWarp::LinearBack(const Eigen::Vector3d &p) const {
@@ -198,6 +200,7 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *r
     std::vector<double> off(goal.from.size());             // of landmarks, from where they belong
     std::vector<Eigen::VectorXd> basis(places);
     std::vector<Eigen::MatrixX3d> slope(places);
+    const bool hasStrain = std::isfinite(goal.typicalStrain);
     NormalEquations sums(0);
     double width = 0, bends = 0; // bends: the warp of the last step, as typicalBending
     for (int degree = 1; degree <= goal.degree; ++degree) {
@@ -211,7 +214,6 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *r
                 for (Eigen::Index c = 0; c < n; ++c)
                     bending.col(c) += ((k < 3 ? 1 : 2) / double(places) * curvature(c, k)) * curvature.col(k);
         }
-        const bool hasStrain = std::isfinite(goal.typicalStrain);
         Eigen::MatrixXd strain = Eigen::MatrixXd::Zero(hasStrain ? 3 * n : 0, hasStrain ? 3 * n : 0);
         for (std::size_t s = 0; s < places && hasStrain; ++s) // the squared symmetric part of C slope
             for (int i = 0; i < 3; ++i)
@@ -249,9 +251,10 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *r
             const double ofBending = prior(goal.typicalBending, bends);
             // A bend over half of the diagonal turns by bends / 2, which looks like a strain of half the square.
             const double ofStrain = hasStrain ? prior(goal.typicalStrain, detail::Squared(bends) / 8) : 0;
-            // What slides along itself is held by its strain; the matches, which go along, get a tenth of that.
-            const double slides =
-                0.3 * ofStrain / detail::Squared(radius) / double(std::max<std::size_t>(found.size(), 1));
+            double beside = degree == 1 ? alongFirst : along;
+            if (hasStrain && degree > 1) // held by its strain; the matches, which go along, get a tenth of that
+                beside = std::min(beside, 0.3 * ofStrain / detail::Squared(radius) /
+                                              double(std::max<std::size_t>(found.size(), 1)));
             sums = NormalEquations(n);
             double counted = 0;
             for (std::size_t s = 0; s < places; ++s) {
@@ -259,7 +262,6 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *r
                     continue;
                 const double weight = share[s] * RobustWeight(far[s] / std::max(width, goal.expected));
                 counted += weight;
-                const double beside = degree == 1 ? alongFirst : hasStrain ? std::min(along, slides) : along;
                 Eigen::Matrix3d form = Eigen::Matrix3d::Identity();
                 if (HasSides(normal[s], match[s])) {
                     const Eigen::Vector3d mean =
@@ -298,7 +300,7 @@ SmoothWarp FitWarp(const WarpGoal &goal, const Progress &progress, WarpReport *r
     }
     if (report)
         *report = {MisfitOf(far, share), MisfitOf(far, share, 1), std::move(share), {}};
-    if (report && std::isfinite(goal.typicalStrain))
+    if (report && hasStrain)
         report->doubt = DoubtsOf(std::move(sums), width, basis, slope);
     return warp;
 }
